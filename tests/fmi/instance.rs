@@ -388,7 +388,8 @@ fn a_step_that_would_take_seconds_is_refused_at_once() {
         for step in [1e6, 1e300] {
             let begin = std::time::Instant::now();
             let message = instance.do_step(0.0, step).expect_err("too long").to_string();
-            assert!(begin.elapsed().as_secs_f64() < 0.1, "{:?}", begin.elapsed());
+            // Taken, it lasts many seconds.
+            assert!(begin.elapsed().as_secs_f64() < 1.0, "{:?}", begin.elapsed());
             assert!(message.contains("too long"), "{message}");
             instance.restore(&saved).unwrap();
         }

@@ -10,6 +10,8 @@ use super::search::{
     BEHIND, Search, Set, TWICE, WORTH, best_of_each, evidence, is_adequate, promising, rank,
 };
 
+/// Multiple of a prior's deviation that first numbers of effects with a second one start from, too.
+const MORE: f64 = 10.0;
 /// Sets that are followed from the beginnings of records to their ends, at most.
 const LED: usize = 3;
 
@@ -55,16 +57,34 @@ impl Search<'_, '_, '_> {
             return Vec::new();
         }
         let probes = self.probed(looks, &given);
-        let everywhere: Vec<Probe> = self.everywhere(&probes).collect();
+        let everywhere = [1.0, MORE].map(|multiple| self.everywhere(&probes, multiple));
         let worth = probes.into_iter().filter(|probe| probe.gain > WORTH).collect();
-        let wanted: Vec<Probe> = promising(worth).into_iter().chain(everywhere).collect();
-        let seen: Vec<Set> =
-            wanted.par_iter().filter_map(|probe| self.glanced(looks, &given, probe)).collect();
-        let mut found = best_of_each(seen.into_iter());
+        let [once, more] = everywhere;
+        // A start that is far off promises much that is not there: each amount keeps its own best.
+        let found = [promising(worth).into_iter().chain(once).collect(), more].map(|wanted: Vec<Probe>| {
+            let seen: Vec<Set> =
+                wanted.par_iter().filter_map(|probe| self.glanced(looks, &given, probe)).collect();
+            best_of_each(seen.into_iter())
+        });
+        let mut found = found.concat();
+        rank(&mut found);
         let least = found.first().map_or(0.0, evidence) - BEHIND;
         let likely = found.iter().take_while(|set| evidence(set) > least).count();
         found.truncate(likely.max(TWICE));
         found.into_par_iter().filter_map(|mut set| moved(looks, &mut set).then_some(set)).collect()
+    }
+
+    /// A `multiple` of the largest amounts of those with a second number, at every place of it that was looked at. What is narrow,
+    /// such as a resonator near the drive, promises nothing to a line where a fit has come to terms without it.
+    fn everywhere(&self, probes: &[Probe], multiple: f64) -> Vec<Probe> {
+        let of = |probe: &&Probe| self.candidates[probe.candidate].has_places() && probe.is_largest();
+        let times = |probe: &Probe| {
+            let first = &self.candidates[probe.candidate].coordinates[0];
+            let (low, high) = first.bounds();
+            let there = probe.times(first, multiple);
+            (low < there.y[0] && there.y[0] < high).then_some(there)
+        };
+        probes.iter().filter(of).filter_map(times).collect()
     }
 
     /// `sets` looked at as the data are: what a line or a motion as it was measured promises can be compared with the same of

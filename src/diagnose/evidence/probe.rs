@@ -209,9 +209,9 @@ impl Probe {
         self.y[0].abs() == SIZES[1]
     }
 
-    /// A `multiple` of it, whose `first` coordinate has this prior.
+    /// A `multiple` of it to start from, whatever a line through it says; its `first` coordinate has this prior.
     pub fn times(&self, first: &Coordinate, multiple: f64) -> Self {
-        Self { y: at(first.times(self.y[0], multiple), &self.y[1..]), ..self.clone() }
+        Self { y: at(first.times(self.y[0], multiple), &self.y[1..]), multiple: 1.0, ..self.clone() }
     }
 
     /// Its coordinates, the `first` where the line is best, as far as lines can be trusted.

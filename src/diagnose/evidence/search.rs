@@ -51,8 +51,6 @@ pub(super) const BEHIND: f64 = 20.0;
 pub(super) const TWICE: usize = 8;
 const FULL: usize = 5;
 const PARENTS: usize = 2;
-/// How much more there may be than a prior's deviation.
-const MORE: f64 = 10.0;
 /// Fraction of a residual that leads where it is not of the likeliest.
 const CLOSER: f64 = 0.95;
 
@@ -133,32 +131,43 @@ impl Search<'_, '_, '_> {
             None => Vec::new(),
         };
         // What explains all may have a rival that does so, too: only those around the refitted model tell.
-        found.extend(self.around(from, adequate, thorough));
+        let seen = self.around(from, adequate);
+        found.extend(if thorough { self.thoroughly(seen) } else { self.looked_at_best(seen).0 });
         let mut found = best_of_each(found.into_iter());
         self.finish_best(&mut found, sets, adequate);
         found
     }
 
-    /// Fits those of the ranked `found` in full that may be the best of them and of `sets`.
+    /// Fits those of the ranked `found` in full that may be the best of them and of `sets`, and the one that leaves the smallest
+    /// residual. By how much a fit raises the evidence of a look shows how far below its own another look may have ended.
     fn finish_best(&self, found: &mut [Set], sets: &[Set], adequate: bool) {
-        let best = found.iter().chain(sets).map(evidence).fold(f64::NEG_INFINITY, f64::max);
-        let mut near = found.iter().take(FULL).take_while(|set| evidence(set) > best - BEHIND).count();
-        if let Some(closest) = self.closest(found.iter().enumerate()).filter(|k| !adequate && *k >= near) {
-            found.swap(near, closest);
-            near += 1;
+        let best = |found: &[Set]| found.iter().chain(sets).map(evidence).fold(f64::NEG_INFINITY, f64::max);
+        let (looked, mut gained) = (best(found), 0.0_f64);
+        let closest = self.closest(found.iter().enumerate()).filter(|_| !adequate);
+        let mut open: Vec<usize> = (0..found.len()).filter(|k| *k < FULL || Some(*k) == closest).collect();
+        loop {
+            let near = looked.min(best(found)) - BEHIND - gained;
+            let first = |k: usize| k == 0 && !adequate;
+            let (now, later): (Vec<usize>, Vec<usize>) = open
+                .into_iter()
+                .partition(|k| evidence(&found[*k]) > near || first(*k) || Some(*k) == closest);
+            if now.is_empty() {
+                break;
+            }
+            open = later;
+            let gain = |(k, set): (usize, &mut Set)| {
+                let before = evidence(set);
+                self.finish(set);
+                // What is far behind says nothing of those that are not.
+                if before > near || first(k) { evidence(set) - before } else { 0.0 }
+            };
+            let wanted = found.par_iter_mut().enumerate().filter(|(k, _)| now.contains(k));
+            gained = wanted.map(gain).reduce(|| gained, f64::max);
         }
-        let (first, rest) = found.split_at_mut(near);
-        let gained = first.par_iter_mut().map(|set| self.finish(set)).reduce(|| 0.0, f64::max);
-        // A look may have ended as far below what a fit finds of others, too.
-        let rest = rest.iter_mut().take(FULL.saturating_sub(near));
-        let behind: Vec<&mut Set> = rest.filter(|set| evidence(set) > best - BEHIND - gained).collect();
-        behind.into_par_iter().for_each(|set| {
-            self.finish(set);
-        });
     }
 
-    /// Looks at sets of one more member around the parents `from`, where a line through each promises something.
-    fn around(&self, mut from: Vec<Set>, adequate: bool, thorough: bool) -> Vec<Set> {
+    /// Glances at sets of one more member around the parents `from`, where a line through each promises something.
+    fn around(&self, mut from: Vec<Set>, adequate: bool) -> Vec<Set> {
         let parents = from.clone();
         let mut wanted: Vec<(usize, Probe)> = Vec::new();
         let few = (0..self.data.records.len()).map(|k| self.data.lane(k).measured.len()).sum::<usize>() < FEW;
@@ -191,8 +200,7 @@ impl Search<'_, '_, '_> {
         let seen: Vec<Option<Set>> =
             wanted.par_iter().map(|(parent, probe)| self.glanced(looks, &from[*parent], probe)).collect();
         let led = parents.iter().filter(|_| !adequate).flat_map(|parent| self.led(parent));
-        let found = best_of_each(seen.into_iter().flatten().chain(led));
-        if thorough { self.thoroughly(found) } else { self.looked_at_best(found).0 }
+        best_of_each(seen.into_iter().flatten().chain(led))
     }
 
     /// Size of the residual of a set.
@@ -224,16 +232,6 @@ impl Search<'_, '_, '_> {
         probe::around(data, &parent.posterior, self.candidates, &which).unwrap_or_default()
     }
 
-    /// The largest amounts of those with a second number and `MORE`, at every place of it. What is narrow, such as a
-    /// resonator near the drive, promises nothing to a line where a fit has come to terms without it.
-    pub(super) fn everywhere<'p>(&self, probes: &'p [Probe]) -> impl Iterator<Item = Probe> + use<'p, '_> {
-        let of = |probe: &&Probe| self.candidates[probe.candidate].has_places() && probe.is_largest();
-        probes.iter().filter(of).flat_map(|probe| {
-            let first = &self.candidates[probe.candidate].coordinates[0];
-            [1.0, MORE].map(|multiple| Probe { multiple: 1.0, ..probe.times(first, multiple) })
-        })
-    }
-
     /// The best fit with one of the candidates, from every start that promises something.
     pub fn alone(&self, base: &Posterior) -> Option<Posterior> {
         let every: Vec<usize> = (0..self.candidates.len()).collect();
@@ -248,13 +246,9 @@ impl Search<'_, '_, '_> {
             tried.extend(self.looked_at(self.beside_given(looks, &parent)));
         }
         rank(&mut tried);
-        let near = tried.first().map(evidence)? - BEHIND;
-        tried.retain(|set| evidence(set) > near);
-        tried.truncate(FULL);
-        tried.par_iter_mut().for_each(|set| {
-            self.finish(set);
-        });
-        tried.into_iter().map(|set| set.posterior).max_by(|a, b| a.log_evidence.total_cmp(&b.log_evidence))
+        self.finish_best(&mut tried, &[], false);
+        let order = |a: &Set, b: &Set| b.screened.cmp(&a.screened).then(evidence(a).total_cmp(&evidence(b)));
+        tried.into_iter().max_by(order).map(|set| set.posterior)
     }
 
     pub(super) fn extended(
@@ -271,14 +265,12 @@ impl Search<'_, '_, '_> {
         (model, unknowns, start)
     }
 
-    /// Fits a set that was looked at; what that gains of log evidence.
-    pub(super) fn finish(&self, set: &mut Set) -> f64 {
-        let before = evidence(set);
+    /// Fits a set that was looked at.
+    pub(super) fn finish(&self, set: &mut Set) {
         if let Ok(whole) = super::again(self.data, &set.posterior) {
             set.posterior = whole;
             set.screened = false;
         }
-        evidence(set) - before
     }
 
     /// Adds the likely sets with a discrepancy, those of `known` as they are where their sets did not change; in full
@@ -394,6 +386,7 @@ mod tests {
     use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::assumptions::Assumptions;
     use crate::diagnose::diagnosis::{Noise, NoiseSource};
+    use crate::diagnose::evidence::{again, first};
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
 
     /// A set that predicts `predictions` of one record with a log evidence of zero.
@@ -412,20 +405,58 @@ mod tests {
         Set { members: Vec::new(), discrepancy: None, posterior, screened: false }
     }
 
-    #[test]
-    fn without_a_doubt_a_residual_of_the_size_of_the_noise_is_adequate() {
+    /// A contact that sticks, its force without noise.
+    fn sticking() -> (Model, Dataset) {
         let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
                     tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n";
-        let model = Model::parse(text).unwrap();
         let force: Vec<f64> = (0..200).map(|i| (0.1 * f64::from(i)).sin()).collect();
         let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
         let channels = vec![
             channel("time", "s", (0..200).map(|i| 1e-3 * f64::from(i)).collect()),
             channel("displacement", "m", force.iter().map(|f| 1e-6 * f).collect()),
-            channel("force", "N", force.clone()),
+            channel("force", "N", force),
         ];
         let record = Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels };
-        let dataset = Dataset { title: None, records: vec![record] };
+        (Model::parse(text).unwrap(), Dataset { title: None, records: vec![record] })
+    }
+
+    #[test]
+    fn a_look_is_fitted_where_it_may_have_ended_as_far_below_its_fit_as_another_did() {
+        let (model, dataset) = sticking();
+        let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
+        let data = Measured::new(&bench, &[0], &[], &[]);
+        let base = first(&data, None, &model).and_then(|(first, _)| again(&data, &first)).unwrap();
+        let report = |_: &str| {};
+        let search =
+            Search { data: &data, looks: None, beginnings: &[], candidates: &[], most: 1, report: &report };
+        // Looks that promise so much more than their fits hold, and sets that are fitted already.
+        let fitted = |looks: &[f64], known: &[f64]| {
+            let sets = |of: &[f64]| -> Vec<Set> {
+                let of = of.iter().map(|more| {
+                    let log_evidence = base.log_evidence + more;
+                    let posterior = Posterior { log_evidence, ..base.clone() };
+                    Set { members: Vec::new(), discrepancy: None, posterior, screened: true }
+                });
+                of.collect()
+            };
+            let mut looks = sets(looks);
+            search.finish_best(&mut looks, &sets(known), true);
+            looks.iter().map(|set| !set.screened).collect::<Vec<bool>>()
+        };
+        assert_eq!(fitted(&[0.0, -10.0, -70.0], &[]), [true, true, false]);
+        assert_eq!(fitted(&[-100.0, -170.0, -1000.0], &[]), [true, true, false]);
+        // What promised too much hides no other.
+        assert_eq!(fitted(&[1000.0, 970.0, -100.0], &[]), [true, true, false]);
+        // What is known is far better.
+        assert_eq!(fitted(&[0.0, -10.0], &[100.0]), [false, false]);
+        // Five at most.
+        assert_eq!(fitted(&[0.0; 7], &[]), [true, true, true, true, true, false, false]);
+    }
+
+    #[test]
+    fn without_a_doubt_a_residual_of_the_size_of_the_noise_is_adequate() {
+        let (model, dataset) = sticking();
+        let force = dataset.records[0].channels[2].values.clone();
         let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
         let told = Noise {
             record: 0,

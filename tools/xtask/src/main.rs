@@ -17,8 +17,8 @@ use tally::Tally;
 const USAGE: &str = "usage: cargo xtask TASK
 
   check           what to run before each commit: format, lints, docs, tests, golden files fresh
-  test            every test: Rust, then the FMUs under independent importers (prepares its own Python
-                  environment); the last line says how many passed, failed and were skipped
+  test            every test: Rust, and beside them the FMUs under independent importers (prepares its own
+                  Python environment); the last line says how many passed, failed and were skipped
   golden          regenerate the golden files under modelDescription/ and capi/include/ (review the diff)
   install PREFIX  build the C interface and install header, libraries, pkg-config file and CMake package below PREFIX; with
                   --libraries FOLDER, the libraries that are there
@@ -88,7 +88,9 @@ fn test(tally: &mut Tally) -> Result<(), String> {
         || tally.count(|_| cargo(&["test", "--workspace", "--locked", "--no-run"], &[])),
         python_environment,
     );
-    built?;
+    if built.is_err() {
+        return both(built, environment.map(|_| ()));
+    }
     let mut fmus = Tally::default();
     let rust = ["test", "--workspace", "--locked", "--no-fail-fast"];
     let (rust, python) = beside(
@@ -96,9 +98,14 @@ fn test(tally: &mut Tally) -> Result<(), String> {
         || fmus.count(|tally| test_fmus(&environment?, tally)),
     );
     tally.join(&fmus);
-    match (rust, python) {
+    both(rust, python)
+}
+
+/// Says of two what failed.
+fn both(first: Result<(), String>, second: Result<(), String>) -> Result<(), String> {
+    match (first, second) {
         (Err(first), Err(second)) => Err(format!("{first}\n{second}")),
-        (rust, python) => rust.and(python),
+        (first, second) => first.and(second),
     }
 }
 
@@ -235,6 +242,14 @@ fn target() -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn two_that_wait_for_each_other_run_beside_each_other() {
+        let meeting = std::sync::Barrier::new(2);
+        let meet = || meeting.wait().is_leader();
+        let (first, second) = beside(meet, meet);
+        assert_ne!(first, second);
+    }
 
     #[test]
     fn only_all_cases_of_a_set_write_a_committed_page() {
