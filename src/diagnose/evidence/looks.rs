@@ -57,9 +57,8 @@ impl Search<'_, '_, '_> {
             return Vec::new();
         }
         let probes = self.probed(looks, &given);
-        let everywhere = [1.0, MORE].map(|multiple| self.everywhere(&probes, multiple));
+        let [once, more] = [1.0, MORE].map(|multiple| self.everywhere(&probes, multiple));
         let worth = probes.into_iter().filter(|probe| probe.gain > WORTH).collect();
-        let [once, more] = everywhere;
         // A start that is far off promises much that is not there: each amount keeps its own best.
         let found = [promising(worth).into_iter().chain(once).collect(), more].map(|wanted: Vec<Probe>| {
             let seen: Vec<Set> =

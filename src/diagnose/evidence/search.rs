@@ -46,8 +46,7 @@ const FEW: usize = 100;
 /// Behind the best by how much (in nats) a set is not worth a whole fit.
 pub(super) const BEHIND: f64 = 20.0;
 /// Sets of a size that are looked at twice (of one member all, where motions are solved for and none of these lacks
-/// nothing), that are fitted in full, and
-/// that larger ones are made from, at most.
+/// nothing), that are fitted in full besides the one of the smallest residual, and that larger ones are made from, at most.
 pub(super) const TWICE: usize = 8;
 const FULL: usize = 5;
 const PARENTS: usize = 2;
