@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::measured::Measured;
-use super::posterior::{Posterior, Start, screen};
+use super::posterior::{LOOK, Posterior, Start, screen};
 use super::{again, doubt};
 use crate::diagnose::diagnosis::Agreement;
 
@@ -47,7 +47,7 @@ fn end(data: &Measured, posterior: &Posterior, [own, brought]: [f64; 2]) -> Opti
         unknown.coordinate.times(*y, multiple).clamp(low, high)
     });
     let start: Vec<f64> = start.collect();
-    screen(data, &Start { model, unknowns, y: &start }, true).ok()
+    screen(data, &Start { model, unknowns, y: &start }, LOOK).ok()
 }
 
 /// Whether two predictions differ by nothing that matters.
@@ -61,6 +61,7 @@ mod tests {
     use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::Assumptions;
     use crate::diagnose::evidence::first;
+    use crate::diagnose::evidence::posterior::GLANCE;
     use crate::diagnose::evidence::samples::{beam, steady};
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
     use crate::fit::predict::predict;
@@ -75,7 +76,7 @@ mod tests {
         let found = first(&data, None, &given).and_then(|(first, _)| again(&data, &first)).unwrap();
         assert!(freed(&data, &found).is_none());
         let start = Start { model: &given, unknowns: &found.unknowns, y: &vec![0.0; found.unknowns.len()] };
-        let stuck = screen(&data, &start, false).unwrap();
+        let stuck = screen(&data, &start, GLANCE).unwrap();
         // Where a glance left it, and taken for an end.
         let stuck = Posterior {
             predictions: stuck.predictions.iter().map(|of| of.iter().map(|x| 0.7 * x).collect()).collect(),
@@ -122,7 +123,7 @@ mod tests {
         // Where it started, and taken for an end.
         let unknowns = found.unknowns.clone();
         let mut stuck =
-            screen(&data, &Start { model: &given, unknowns: &unknowns, y: &[0.0, 0.0] }, false).unwrap();
+            screen(&data, &Start { model: &given, unknowns: &unknowns, y: &[0.0, 0.0] }, GLANCE).unwrap();
         stuck.predictions[0].iter_mut().for_each(|f| *f *= 0.7);
         stuck.log_peak = f64::NEG_INFINITY;
         let (freed, _) = agreement(&data, &stuck);

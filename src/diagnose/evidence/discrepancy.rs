@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use super::joint::Joint;
 use super::latent::Latent;
 use super::measured::{Measured, NoisePrior};
-use super::posterior::{Posterior, white_round};
+use super::posterior::{HERE, Posterior, white_round};
 use crate::fit::Sums;
 use crate::fit::predict::Motion;
 use crate::model::Structure;
@@ -100,7 +100,7 @@ fn force(data: &Measured, posterior: &Posterior) -> Result<Doubt, String> {
     let mut shared = posterior.y[..parameters].to_vec();
     shared.resize(weights.end, 0.0);
     let mut joint = Joint::new(data, &posterior.model, &posterior.unknowns, &latent)?;
-    let y = white_round(&mut joint, &shared, (0, 1e-3))?;
+    let y = white_round(&mut joint, &shared, HERE)?;
     joint.priors = released(data, 0.0);
     let mut best: Option<Solved> = None;
     for _ in 0..ROUNDS {

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use super::joint::{Joint, dot};
 use super::latent::Latent;
 use super::measured::Measured;
-use super::posterior::{Posterior, white_round};
+use super::posterior::{HERE, Posterior, white_round};
 use super::probe::Prepared;
 use crate::diagnose::assumptions::Assumptions;
 use crate::diagnose::diagnosis::{Confounding, Detectable};
@@ -53,7 +53,7 @@ pub(in crate::diagnose) fn around(
     let latent = Latent::default();
     let unknowns = &posterior.unknowns;
     let mut joint = Joint::new(data, &posterior.model, unknowns, &latent)?;
-    let y = white_round(&mut joint, &posterior.y[..unknowns.len()], (0, 1e-3))?;
+    let y = white_round(&mut joint, &posterior.y[..unknowns.len()], HERE)?;
     joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
     let absent = |prepared: &&Prepared| {
         let own = prepared.candidate.law.is_none();

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::measured::Measured;
-use super::posterior::{Posterior, Start, screen};
+use super::posterior::{GLANCE, LOOK, Posterior, Start, screen};
 use super::probe::Probe;
 use super::search::{
     BEHIND, Search, Set, TWICE, WORTH, best_of_each, evidence, is_adequate, promising, rank,
@@ -20,7 +20,7 @@ impl Search<'_, '_, '_> {
     pub(super) fn screened(data: &Measured, set: &mut Set) {
         let Posterior { model, unknowns, y, .. } = &set.posterior;
         let start = Start { model, unknowns, y };
-        if let Ok(better) = screen(data, &start, true)
+        if let Ok(better) = screen(data, &start, LOOK)
             && better.log_evidence > evidence(set)
         {
             set.posterior = better;
@@ -35,7 +35,7 @@ impl Search<'_, '_, '_> {
         y[0] = y[0].clamp(low, high);
         let (model, unknowns, start) = self.extended(&parent.posterior, probe.candidate, &y);
         let start = Start { model: &model, unknowns: &unknowns, y: &start };
-        let posterior = screen(data, &start, false).ok()?;
+        let posterior = screen(data, &start, GLANCE).ok()?;
         (self.report)(prepared.candidate.effect.id);
         let members = parent.members.iter().copied().chain([probe.candidate]).collect();
         Some(Set { members, discrepancy: None, posterior, screened: true })
@@ -147,7 +147,7 @@ impl Search<'_, '_, '_> {
 /// `set` looked at in other data than before.
 pub(super) fn moved(data: &Measured, set: &mut Set) -> bool {
     let Posterior { model, unknowns, y, .. } = &set.posterior;
-    let found = screen(data, &Start { model, unknowns, y: &y[..unknowns.len()] }, true);
+    let found = screen(data, &Start { model, unknowns, y: &y[..unknowns.len()] }, LOOK);
     found.map(|found| set.posterior = found).is_ok()
 }
 

@@ -39,7 +39,7 @@ pub(super) use search::{Search, Set};
 
 use joint::Joint;
 use latent::Latent;
-use posterior::{Start, fit, screen, screened, white_round};
+use posterior::{HERE, LOOK, Start, fit, screen, screened, white_round};
 use unknown::Unknown;
 
 use super::candidates::Candidate;
@@ -97,10 +97,10 @@ pub(super) fn first(
 ) -> Result<(Posterior, Solutions), String> {
     let unknowns = unknown::of_model(model, data.assumptions());
     let zeros = vec![0.0; unknowns.len()];
-    let from = |y: &[f64]| screened(data, &Start { model, unknowns: &unknowns, y }, true);
+    let from = |y: &[f64]| screened(data, &Start { model, unknowns: &unknowns, y }, LOOK);
     let direct = from(&zeros);
     let start = Start { model, unknowns: &unknowns, y: &zeros };
-    let about = about_measured.and_then(|about| screen(about, &start, true).ok());
+    let about = about_measured.and_then(|about| screen(about, &start, LOOK).ok());
     match (direct, about.and_then(|about| from(&about.y).ok())) {
         (Ok(direct), Some(led)) if direct.0.log_evidence >= led.0.log_evidence => Ok(direct),
         (_, Some(led)) => Ok(led),
@@ -114,7 +114,7 @@ pub(super) fn no_start(bench: &WeightedDataset, model: &Model, record: usize) ->
     let (unknowns, latent) = (unknown::of_model(model, data.assumptions()), Latent::default());
     let start = || {
         let mut joint = Joint::new(&data, model, &unknowns, &latent)?;
-        white_round(&mut joint, &vec![0.0; unknowns.len()], (0, 1e-3))
+        white_round(&mut joint, &vec![0.0; unknowns.len()], HERE)
     };
     start().err()
 }
@@ -194,5 +194,5 @@ pub(super) fn alone(
     let parameters = model.parameters().into_iter().filter(|p| free(&p.path, p.value));
     let unknowns: Vec<Unknown> = parameters.map(|p| Unknown::of(&p, data.assumptions())).collect();
     let zeros = vec![0.0; unknowns.len()];
-    Ok(screen(&data, &Start { model, unknowns: &unknowns, y: &zeros }, true)?.model)
+    Ok(screen(&data, &Start { model, unknowns: &unknowns, y: &zeros }, LOOK)?.model)
 }

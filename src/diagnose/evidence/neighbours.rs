@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::latent::Latent;
-use super::posterior::{Start, fit, screen};
+use super::posterior::{GLANCE, Start, fit, screen};
 use super::probe;
 use super::search::{BEHIND, Search, Set, evidence, keep};
 use super::unknown::Unknown;
@@ -134,7 +134,7 @@ impl Search<'_, '_, '_> {
             let (members, model, unknowns, y) = self.replaced(empty, set, place, Some((other, y)));
             model.check().ok()?;
             let start = Start { model: &model, unknowns: &unknowns, y: &y };
-            let posterior = screen(self.looks.unwrap_or(self.data), &start, false).ok()?;
+            let posterior = screen(self.looks.unwrap_or(self.data), &start, GLANCE).ok()?;
             Some(Set { members, discrepancy: None, posterior, screened: true })
         };
         let starts = probe::places(&self.candidates[other]);

@@ -9,7 +9,7 @@ use super::slot::Slot;
 use super::unknown::Unknown;
 use crate::diagnose::diagnosis::Estimate;
 use crate::fit::compare::Fitted;
-use crate::fit::predict::Seed;
+use crate::fit::predict::{PRECISELY, Seed};
 use crate::model::Model;
 
 /// A hypothesis at its most probable parameters.
@@ -98,12 +98,28 @@ impl Posterior {
     }
 }
 
-/// Steps of a first look, and the relative fall of the sum of squares that ends it.
-const SCREEN: (usize, f64) = (6, 1e-3);
-/// The same of a glance.
-const GLANCE: (usize, f64) = (2, 1e-3);
-/// The same of a round of a whole fit.
-const ROUND: (usize, f64) = (12, 1e-5);
+/// How far a round goes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Extent {
+    /// Steps of all unknowns together.
+    steps: usize,
+    /// Relative fall of the sum of squares that ends them.
+    tolerance: f64,
+    /// The same of the records' own starts, which are sought before.
+    settled: f64,
+}
+
+/// Relative fall of a sum of squares that ends a rough search.
+const ROUGHLY: f64 = 1e-3;
+
+/// A first look.
+pub(super) const LOOK: Extent = Extent { steps: 6, tolerance: ROUGHLY, settled: PRECISELY };
+/// A glance: whatever goes on from there seeks the records' own starts anew.
+pub(super) const GLANCE: Extent = Extent { steps: 2, settled: ROUGHLY, ..LOOK };
+/// No step, only what is there.
+pub(super) const HERE: Extent = Extent { steps: 0, ..LOOK };
+/// A round of a whole fit.
+const ROUND: Extent = Extent { steps: 12, tolerance: 1e-5, settled: PRECISELY };
 /// Rounds with coloured noise at most; a change of the log evidence that is none.
 const ROUNDS: (usize, f64) = (5, 0.1);
 
@@ -117,21 +133,20 @@ pub(super) struct Start<'a> {
 /// Records with a solution each, for others to start from.
 pub(in crate::diagnose) type Solutions = Vec<(usize, Seed)>;
 
-/// A first look: white noise, few steps; the evidence is what the last linearisation promises under the noise that is
-/// left.
-pub(super) fn screen(data: &Measured, start: &Start, thoroughly: bool) -> Result<Posterior, String> {
-    screened(data, start, thoroughly).map(|(found, _)| found)
+/// A first look, with white noise; the evidence is what the last linearisation promises under the noise that is left.
+pub(super) fn screen(data: &Measured, start: &Start, extent: Extent) -> Result<Posterior, String> {
+    screened(data, start, extent).map(|(found, _)| found)
 }
 
 /// The same with the solutions there, record by record, where motions are solved for.
 pub(super) fn screened(
     data: &Measured,
     start: &Start,
-    thoroughly: bool,
+    extent: Extent,
 ) -> Result<(Posterior, Solutions), String> {
     let latent = Latent::default();
     let mut joint = Joint::new(data, start.model, start.unknowns, &latent)?;
-    let mut y = white_round(&mut joint, start.y, if thoroughly { SCREEN } else { GLANCE })?;
+    let mut y = white_round(&mut joint, start.y, extent)?;
     joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
     let found = posterior(&joint, start.unknowns, &mut y, true)?;
     data.bench.count_refit();
@@ -159,10 +174,10 @@ pub(super) fn fit(
     let mut best: Option<Posterior> = None;
     for _ in 0..ROUNDS.0 {
         joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
-        joint.minimise(&mut y, ROUND.0, ROUND.1)?;
+        joint.minimise(&mut y, ROUND.steps, ROUND.tolerance)?;
         joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
         if joint.rescan(&mut y)? {
-            joint.minimise(&mut y, ROUND.0, ROUND.1)?;
+            joint.minimise(&mut y, ROUND.steps, ROUND.tolerance)?;
             joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
         }
         let found = posterior(&joint, start.unknowns, &mut y, false)?;
@@ -184,14 +199,14 @@ pub(super) fn fit(
 pub(super) fn white_round(
     joint: &mut Joint,
     shared: &[f64],
-    (iterations, tolerance): (usize, f64),
+    Extent { steps, tolerance, settled }: Extent,
 ) -> Result<Vec<f64>, String> {
     let data = joint.data;
-    let mut y = joint.settle(shared)?;
+    let mut y = joint.settle(shared, settled)?;
     joint.minimise(&mut y, 0, tolerance)?;
     joint.noise.renew(data, &joint.priors, &joint.residuals(), false);
-    if iterations > 0 {
-        joint.minimise(&mut y, iterations, tolerance)?;
+    if steps > 0 {
+        joint.minimise(&mut y, steps, tolerance)?;
         joint.noise.renew(data, &joint.priors, &joint.residuals(), false);
     }
     Ok(y)
@@ -232,4 +247,31 @@ fn posterior(
         predictions: joint.predictions(),
         simulations: joint.simulations,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::Assumptions;
+    use crate::diagnose::evidence::samples::{beam, steady};
+    use crate::diagnose::evidence::unknown::of_model;
+    use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+
+    #[test]
+    fn a_glance_from_rough_starts_of_the_records_promises_what_one_from_precise_ones_does() {
+        let truth = beam(1.94e11, 0.4, "[[effect]]\nid = \"backlash\"\nhalf_gap = 3e-6\n");
+        let given = beam(1.95e11, 0.42, "");
+        let dataset = steady(&truth);
+        let bench = WeightedDataset::new(&given, &dataset, Assumptions::default(), None).unwrap();
+        let about = bench.linearised_at_measurement().unwrap();
+        let looks = Measured::new(&about, &[0, 1, 2], &[], &[]);
+        let unknowns = of_model(&given, looks.assumptions());
+        for y in [[0.0; 4], [0.5, -0.5, 0.5, -0.5], [-1.0, 1.0, 0.3, 0.0]] {
+            let start = Start { model: &given, unknowns: &unknowns, y: &y };
+            let glanced =
+                |settled| screen(&looks, &start, Extent { settled, ..GLANCE }).unwrap().log_evidence;
+            let (rough, precise) = (glanced(GLANCE.settled), glanced(PRECISELY));
+            assert!((rough - precise).abs() < 1.0, "{rough} {precise}");
+        }
+    }
 }

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use super::joint::{Joint, dot};
 use super::latent::Latent;
 use super::measured::Measured;
-use super::posterior::{Posterior, white_round};
+use super::posterior::{HERE, Posterior, white_round};
 use super::unknown::{Coordinate, Unknown};
 use crate::data::Dataset;
 use crate::diagnose::assumptions::Assumptions;
@@ -75,7 +75,7 @@ pub(super) fn prepare(
 ) -> Result<(Vec<Prepared>, Vec<Candidate>), String> {
     let latent = Latent::default();
     let mut joint = Joint::new(data, &base.model, &base.unknowns, &latent)?;
-    let y = white_round(&mut joint, &base.y, (0, 1e-3))?;
+    let y = white_round(&mut joint, &base.y, HERE)?;
     let brought: Vec<Vec<Brought>> = candidates.iter().map(|c| c.brings(scales, dataset)).collect();
     let mut sizes: Vec<f64> = brought.iter().map(|brought| first_size(&brought[0])).collect();
     let mut found: Vec<Option<f64>> = vec![None; candidates.len()];
@@ -240,7 +240,7 @@ pub(super) fn around(
 ) -> Result<Vec<Probe>, String> {
     let latent = Latent::default();
     let mut joint = Joint::new(data, &parent.model, &parent.unknowns, &latent)?;
-    let y = white_round(&mut joint, &parent.y, (0, 1e-3))?;
+    let y = white_round(&mut joint, &parent.y, HERE)?;
     let of = |candidate: usize| places(&candidates[candidate]).into_iter().map(move |y| (candidate, y));
     let first: Vec<(usize, Vec<f64>)> = which.iter().flat_map(|candidate| of(*candidate)).collect();
     let (mut found, mut unreached) = (lines(&mut joint, &y, parent, candidates, first)?, Vec::new());

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use super::joint::{Joint, dot};
 use super::latent::Latent;
 use super::measured::Measured;
-use super::posterior::{Posterior, white_round};
+use super::posterior::{HERE, Posterior, white_round};
 use crate::model::Structure;
 
 /// Steps in place of one.
@@ -19,7 +19,7 @@ pub(super) fn refined(data: &Measured, posterior: &Posterior) -> Result<Posterio
     }
     let (latent, count) = (Latent::default(), posterior.unknowns.len());
     let mut joint = Joint::new(data, &posterior.model, &posterior.unknowns, &latent)?;
-    let y = white_round(&mut joint, &posterior.y[..count], (0, 1e-3))?;
+    let y = white_round(&mut joint, &posterior.y[..count], HERE)?;
     joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
     let curvature = DMatrix::from_row_slice(y.len(), y.len(), &joint.sums_here(&y).curvature);
     let factor = curvature.cholesky().ok_or("the curvature is not positive")?;
