@@ -9,7 +9,7 @@ use super::slot::Slot;
 use super::unknown::Unknown;
 use crate::diagnose::diagnosis::Estimate;
 use crate::fit::compare::Fitted;
-use crate::fit::predict::{PRECISELY, Seed};
+use crate::fit::predict::Seed;
 use crate::model::Model;
 
 /// A hypothesis at its most probable parameters.
@@ -101,25 +101,19 @@ impl Posterior {
 /// How far a round goes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Extent {
-    /// Steps of all unknowns together.
     steps: usize,
     /// Relative fall of the sum of squares that ends them.
     tolerance: f64,
-    /// The same of the records' own starts, which are sought before.
-    settled: f64,
 }
 
-/// Relative fall of a sum of squares that ends a rough search.
-const ROUGHLY: f64 = 1e-3;
-
 /// A first look.
-pub(super) const LOOK: Extent = Extent { steps: 6, tolerance: ROUGHLY, settled: PRECISELY };
-/// A glance: whatever goes on from there seeks the records' own starts anew.
-pub(super) const GLANCE: Extent = Extent { steps: 2, settled: ROUGHLY, ..LOOK };
+pub(super) const LOOK: Extent = Extent { steps: 6, tolerance: 1e-3 };
+/// A glance.
+pub(super) const GLANCE: Extent = Extent { steps: 2, ..LOOK };
 /// No step, only what is there.
 pub(super) const HERE: Extent = Extent { steps: 0, ..LOOK };
 /// A round of a whole fit.
-const ROUND: Extent = Extent { steps: 12, tolerance: 1e-5, settled: PRECISELY };
+const ROUND: Extent = Extent { steps: 12, tolerance: 1e-5 };
 /// Rounds with coloured noise at most; a change of the log evidence that is none.
 const ROUNDS: (usize, f64) = (5, 0.1);
 
@@ -199,10 +193,10 @@ pub(super) fn fit(
 pub(super) fn white_round(
     joint: &mut Joint,
     shared: &[f64],
-    Extent { steps, tolerance, settled }: Extent,
+    Extent { steps, tolerance }: Extent,
 ) -> Result<Vec<f64>, String> {
     let data = joint.data;
-    let mut y = joint.settle(shared, settled)?;
+    let mut y = joint.settle(shared)?;
     joint.minimise(&mut y, 0, tolerance)?;
     joint.noise.renew(data, &joint.priors, &joint.residuals(), false);
     if steps > 0 {
@@ -247,31 +241,4 @@ fn posterior(
         predictions: joint.predictions(),
         simulations: joint.simulations,
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::diagnose::Assumptions;
-    use crate::diagnose::evidence::samples::{beam, steady};
-    use crate::diagnose::evidence::unknown::of_model;
-    use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
-
-    #[test]
-    fn a_glance_from_rough_starts_of_the_records_promises_what_one_from_precise_ones_does() {
-        let truth = beam(1.94e11, 0.4, "[[effect]]\nid = \"backlash\"\nhalf_gap = 3e-6\n");
-        let given = beam(1.95e11, 0.42, "");
-        let dataset = steady(&truth);
-        let bench = WeightedDataset::new(&given, &dataset, Assumptions::default(), None).unwrap();
-        let about = bench.linearised_at_measurement().unwrap();
-        let looks = Measured::new(&about, &[0, 1, 2], &[], &[]);
-        let unknowns = of_model(&given, looks.assumptions());
-        for y in [[0.0; 4], [0.5, -0.5, 0.5, -0.5], [-1.0, 1.0, 0.3, 0.0]] {
-            let start = Start { model: &given, unknowns: &unknowns, y: &y };
-            let glanced =
-                |settled| screen(&looks, &start, Extent { settled, ..GLANCE }).unwrap().log_evidence;
-            let (rough, precise) = (glanced(GLANCE.settled), glanced(PRECISELY));
-            assert!((rough - precise).abs() < 1.0, "{rough} {precise}");
-        }
-    }
 }

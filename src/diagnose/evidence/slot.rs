@@ -34,20 +34,13 @@ impl<'d> Slot<'d> {
         }
     }
 
-    /// Its own unknowns, and where they start: what fits `measured` best under `model`, of all that a scan finds, until the sum of
-    /// squares falls by no more than `tolerance` of it.
-    pub fn scan(
-        &mut self,
-        model: &Model,
-        measured: &[f64],
-        weights: &[f64],
-        tolerance: f64,
-    ) -> Result<(), String> {
+    /// Its own unknowns, and where they start: what fits `measured` best under `model`, of all that a scan finds.
+    pub fn scan(&mut self, model: &Model, measured: &[f64], weights: &[f64]) -> Result<(), String> {
         let parameters = self.shown.nuisances(model)?;
         let between = |p: &crate::fit::Parameter| Coordinate::between(p.lower, p.upper);
         self.own = parameters.iter().map(between).collect();
         if !parameters.is_empty() {
-            let settled = self.shown.settle_from(model, &parameters, measured, weights, tolerance, None);
+            let settled = self.shown.settle_from(model, &parameters, measured, weights, None);
             self.own_start = self.own.iter().zip(&settled).map(|(c, v)| c.of(*v)).collect();
         }
         Ok(())

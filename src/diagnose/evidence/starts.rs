@@ -5,20 +5,19 @@ use rayon::prelude::*;
 use super::joint::{Joint, dot, minus};
 use super::measured::{Measured, NoiseModel};
 use super::slot::Slot;
-use crate::fit::predict::PRECISELY;
 
 /// Noise over what was told of it, from which a record's start may be wrong.
 const LOUD: f64 = 1.05;
 
 impl Joint<'_, '_> {
-    /// Finds the records' own starts by their scans at the `shared` unknowns, until the sum of squares falls by no more than
-    /// `tolerance` of it; gives the whole point.
-    pub fn settle(&mut self, shared: &[f64], tolerance: f64) -> Result<Vec<f64>, String> {
+    /// Finds the records' own starts by their scans at the `shared` unknowns; gives the whole point.
+    pub fn settle(&mut self, shared: &[f64]) -> Result<Vec<f64>, String> {
         let model = self.model(shared)?;
         let (data, noise) = (self.data, &self.noise);
-        self.slots.par_iter_mut().enumerate().try_for_each(|(k, slot)| {
-            slot.scan(&model, &data.lane(k).measured, &weights(data, noise, k), tolerance)
-        })?;
+        self.slots
+            .par_iter_mut()
+            .enumerate()
+            .try_for_each(|(k, slot)| slot.scan(&model, &data.lane(k).measured, &weights(data, noise, k)))?;
         let mut offset = self.shared();
         let mut y = shared.to_vec();
         for slot in &mut self.slots {
@@ -53,7 +52,7 @@ impl Joint<'_, '_> {
                 }
                 // Of a simulation of its own: what its numbers mean belongs to the hypothesis that it chose.
                 let mut other = Slot::new(lane.shown(base)?);
-                other.scan(&model, &lane.measured, &weights, PRECISELY)?;
+                other.scan(&model, &lane.measured, &weights)?;
                 other.offset = slot.offset;
                 let cost = |slot: &mut Slot, values: &[f64]| -> Result<f64, String> {
                     slot.shown.predict(&model, values, &mut slot.predictions)?;
@@ -152,7 +151,7 @@ mod tests {
             [[1.0, 0.5, 0.0, -1.0], [-1.0, 0.4, 1.0, 0.5], [0.5, -0.5, 1.5, -0.5], [-0.5, 0.0, -1.0, 1.0]]
         {
             let mut joint = Joint::new(&data, &base, &unknowns, &latent).unwrap();
-            let mut y = joint.settle(&y[..unknowns.len()], PRECISELY).unwrap();
+            let mut y = joint.settle(&y[..unknowns.len()]).unwrap();
             // Elsewhere than where the starts were found.
             y[..unknowns.len()].iter_mut().for_each(|y| *y *= -0.5);
             joint.minimise(&mut y, 0, 1e-3).unwrap();

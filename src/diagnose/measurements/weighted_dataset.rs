@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::data::{Dataset, Record};
 use crate::diagnose::assumptions::Assumptions;
 use crate::fit::InterruptHook;
-use crate::fit::predict::{ObservedSimulation, PRECISELY, Seed, compared, deviation};
+use crate::fit::predict::{ObservedSimulation, Seed, compared, deviation};
 use crate::model::Model;
 
 /// A dataset with weights, and counters of what is spent on it.
@@ -151,7 +151,7 @@ impl<'d> WeightedDataset<'d> {
             // A rough look needs no settled start.
             Some(Seed::LinearisedAtMeasurement) => nuisances.iter().map(|nuisance| nuisance.start).collect(),
             _ if nuisances.is_empty() => Vec::new(),
-            _ => shown.settle_from(model, &nuisances, &lane.measured, &lane.scales, PRECISELY, None),
+            _ => shown.settle_from(model, &nuisances, &lane.measured, &lane.scales, None),
         };
         let mut predictions = Vec::new();
         shown.predict(model, &settled, &mut predictions)?;

@@ -29,7 +29,6 @@ pub(crate) use channels::{compared, derivative_order, deviation};
 pub(crate) use motion::{Motion, white_noise};
 pub(crate) use observed::ObservedSimulation;
 pub(crate) use period::period;
-pub(crate) use settle::PRECISELY;
 pub(crate) use simulation::{Direction, Seed};
 
 use crate::data::Record;

@@ -11,8 +11,6 @@ use crate::model::Model;
 
 /// Step of differences in a nuisance, in its coordinate of size one.
 const NUISANCE_STEP: f64 = 1e-5;
-/// Relative fall of the sum of squares that ends the search of a start where nothing refines it.
-pub const PRECISELY: f64 = 1e-8;
 const INTERRUPTED: &str = "interrupted";
 
 impl ObservedSimulation<'_> {
@@ -45,19 +43,17 @@ impl ObservedSimulation<'_> {
             [alone] => Cow::Borrowed(alone.values.as_slice()),
             _ => channels.iter().flat_map(|channel| channel.values.iter().copied()).collect(),
         };
-        let settled = self.settle_from(model, &nuisances, &measured, &weights, PRECISELY, interrupt);
+        let settled = self.settle_from(model, &nuisances, &measured, &weights, interrupt);
         if asked() { Err(INTERRUPTED.to_owned()) } else { Ok(settled) }
     }
 
-    /// As [`ObservedSimulation::settle`], from given starts, with the measured samples of the channels and their weights,
-    /// until the sum of squares falls by no more than `tolerance` of it.
+    /// As [`ObservedSimulation::settle`], from given starts and with the weights of the channels' samples.
     pub fn settle_from(
         &mut self,
         model: &Model,
         nuisances: &[Parameter],
         measured: &[f64],
         weights: &[f64],
-        tolerance: f64,
         interrupt: Option<InterruptHook>,
     ) -> Vec<f64> {
         let coordinates: Vec<Coordinate> =
@@ -77,7 +73,7 @@ impl ObservedSimulation<'_> {
             predictions: Vec::new(),
             derivatives: Vec::new(),
         };
-        let limits = Limits { iterations: 20, tolerance, ..Limits::default() };
+        let limits = Limits { iterations: 20, tolerance: 1e-8, ..Limits::default() };
         match minimise(&mut problem, vec![0.0; nuisances.len()], &lower, &upper, limits) {
             Some(end) => coordinates.iter().zip(&end.y).map(|(c, y)| c.value(*y)).collect(),
             None => starts(),
