@@ -129,7 +129,9 @@ impl Joint {
         for column in 0..n {
             let own = (out.force_by_state[column], out.next_by_state[SLIP * n + column]);
             let effect = chain.effect(self.cause(column, own));
-            for row in BASE..n {
+            // What a slider remembers moves neither the end nor its load.
+            let moves = effect.displacement != 0.0 || effect.load != 0.0;
+            for row in if moves { BASE..n } else { n..n } {
                 out.next_by_state[row * n + column] += out.next_by_displacement[row] * effect.displacement
                     + out.next_by_normal_load[row] * effect.load;
             }

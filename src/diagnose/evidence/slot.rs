@@ -74,7 +74,9 @@ impl<'d> Slot<'d> {
             nuisances[k] = coordinate.value(here + step);
             directions.push(Direction { model: model.clone(), nuisances, step });
         }
-        self.shown.linearise(model, &nuisances, &directions, &mut self.next.0, &mut self.next.1)
+        self.shown.linearise(model, &nuisances, &directions, &mut self.next.0, &mut self.next.1)?;
+        let finite = self.next.1.iter().flatten().all(|x| x.is_finite());
+        if finite { Ok(()) } else { Err("a model beside it cannot be predicted".to_owned()) }
     }
 
     /// Takes what was linearised last in the place of what was there before.
@@ -189,7 +191,8 @@ mod tests {
         // A model that cannot be predicted: it has no contact.
         let bare = Model { contact: None, ..model.clone() };
         assert!(slot.linearise(&bare, &[(model.clone(), 1.0)], &[], &[]).is_err());
-        assert!(slot.linearise(&model, &[(bare, 1.0)], &[], &[]).is_err());
+        assert!(slot.linearise(&model, &[(bare.clone(), 1.0)], &[], &[]).is_err());
+        assert!(slot.linearise(&model, &[(model.clone(), 1.0), (bare, 1.0)], &[], &[]).is_err());
         assert_eq!((slot.linearised, slot.derivatives), before);
     }
 }

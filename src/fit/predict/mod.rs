@@ -5,7 +5,7 @@
 //!
 //! `regimes` chooses the simulation by the record's regime, and only below that by the kind of model:
 //! [`from rest`](crate::data::Regime::FromRest) (`from_rest`), `steady`, `stepped_sine`, `unknown_start`, `backbone`. What is stepped in
-//! time is a `stepper`. Unknowns of one record, such as its start, are its nuisances; `settle` fits them.
+//! time is a `stepper`; what a solver finds row by row is a `table`. Unknowns of one record, such as its start, are its nuisances; `settle` fits them.
 
 mod backbone;
 mod channels;
@@ -21,6 +21,7 @@ mod simulation;
 mod steady;
 mod stepped_sine;
 mod stepper;
+mod table;
 mod unknown_start;
 
 pub(crate) use backbone::scatter_of_starts;

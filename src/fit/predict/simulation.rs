@@ -82,7 +82,8 @@ pub(crate) trait Simulation: Send {
         self.differences(directions, predictions, derivatives)
     }
 
-    /// Writes the derivatives by differences from `predictions`.
+    /// Writes the derivatives by differences from `predictions`: NaN along those of the directions that cannot be predicted,
+    /// an error where none can.
     fn differences(
         &mut self,
         directions: &[Direction],
@@ -90,14 +91,37 @@ pub(crate) trait Simulation: Send {
         derivatives: &mut Vec<Vec<f64>>,
     ) -> Result<(), String> {
         derivatives.resize_with(directions.len(), Vec::new);
-        for (direction, derivative) in directions.iter().zip(derivatives) {
-            self.predict(&direction.model, &direction.nuisances, derivative)?;
-            for (moved, base) in derivative.iter_mut().zip(predictions) {
-                *moved = (*moved - base) / direction.step;
+        let predict = |(direction, moved): (&Direction, &mut Vec<f64>)| {
+            self.predict(&direction.model, &direction.nuisances, moved)
+        };
+        let predicted: Vec<Result<(), String>> =
+            directions.iter().zip(&mut *derivatives).map(predict).collect();
+        divide(directions, predictions, predicted, derivatives)
+    }
+}
+
+/// Makes derivatives of what was `predicted` along `directions`, which stands in their place.
+pub(super) fn divide(
+    directions: &[Direction],
+    predictions: &[f64],
+    predicted: Vec<Result<(), String>>,
+    derivatives: &mut [Vec<f64>],
+) -> Result<(), String> {
+    let some = predicted.iter().any(Result::is_ok);
+    for ((direction, predicted), derivative) in directions.iter().zip(predicted).zip(derivatives) {
+        match predicted {
+            Ok(()) => {
+                let pairs = derivative.iter_mut().zip(predictions);
+                pairs.for_each(|(moved, base)| *moved = (*moved - base) / direction.step);
+            }
+            Err(error) if !some => return Err(error),
+            Err(_) => {
+                derivative.clear();
+                derivative.resize(predictions.len(), f64::NAN);
             }
         }
-        Ok(())
     }
+    Ok(())
 }
 
 /// A small step in one parameter or nuisance.

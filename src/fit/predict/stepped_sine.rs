@@ -4,8 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use super::channels::{derivative_order, position};
 use super::observed_system::observed_system;
-use super::simulation::{Simulation, WRONG_BRANCH};
+use super::simulation::WRONG_BRANCH;
 use super::stepper::excitation::mass_of;
+use super::table::Table;
 use crate::data::{Channel, Record};
 use crate::harmonic::{Assembly, Control, CurveSettings, HarmonicError, Point, periodic_response};
 use crate::model::{Model, Structure};
@@ -77,19 +78,6 @@ impl<'r> SteppedSine<'r> {
         Ok(Self { channels, frequency, force, excited, positions, shown, starts: Vec::new() })
     }
 
-    /// The responses, row by row.
-    fn solve(&self, model: &Model) -> Result<Vec<Point>, String> {
-        let mut assembly = Assembly::new(observed_system(model, &self.positions)?);
-        if let Some(mass) = self.excited {
-            assembly.system.driven = vec![assembly.system.sensors[mass]];
-        }
-        let row = |row: usize| {
-            self.response(&assembly, row)
-                .map_err(|error| format!("at {} Hz and {} N: {error}", self.frequency[row], self.force[row]))
-        };
-        (0..self.frequency.len()).map(row).collect()
-    }
-
     /// The response of a row: near its last one, or else of those found that which is nearest to the measured, which is
     /// sought with its amplitude held, under which there is but one.
     fn response(&self, assembly: &Assembly, row: usize) -> Result<Point, HarmonicError> {
@@ -151,24 +139,32 @@ fn show(point: &Point, shown: &Shown, measured: f64) -> f64 {
     }
 }
 
-impl Simulation for SteppedSine<'_> {
+impl Table for SteppedSine<'_> {
+    type Rows = Vec<Point>;
+
     fn channels(&self) -> &[&Channel] {
         &self.channels
     }
 
-    fn predict(&mut self, model: &Model, _: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
-        let points = self.solve(model)?;
-        out.clear();
-        for (channel, shown) in self.channels.iter().zip(&self.shown) {
-            out.extend(
-                points.iter().zip(&channel.values).map(|(point, measured)| show(point, shown, *measured)),
-            );
+    fn solve(&self, model: &Model) -> Result<Vec<Point>, String> {
+        let mut assembly = Assembly::new(observed_system(model, &self.positions)?);
+        if let Some(mass) = self.excited {
+            assembly.system.driven = vec![assembly.system.sensors[mass]];
         }
-        Ok(())
+        let row = |row: usize| {
+            self.response(&assembly, row)
+                .map_err(|error| format!("at {} Hz and {} N: {error}", self.frequency[row], self.force[row]))
+        };
+        (0..self.frequency.len()).map(row).collect()
     }
 
-    fn keep(&mut self, model: &Model) -> Result<(), String> {
-        self.starts = self.solve(model)?;
-        Ok(())
+    fn show(&self, rows: &Vec<Point>, out: &mut Vec<f64>) {
+        for (channel, shown) in self.channels.iter().zip(&self.shown) {
+            out.extend(rows.iter().zip(&channel.values).map(|(row, measured)| show(row, shown, *measured)));
+        }
+    }
+
+    fn keep(&mut self, rows: Vec<Point>) {
+        self.starts = rows;
     }
 }

@@ -54,7 +54,7 @@ pub(crate) enum Start {
 }
 
 /// The decay of a model that answers to the rows of a table.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct OwnDecay {
     /// From the largest amplitude down.
     rows: Vec<Asked>,

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::data::{Channel, Record};
 use crate::fit::predict::observed_system::observed_system;
-use crate::fit::predict::simulation::Simulation;
+use crate::fit::predict::table::Table;
 use crate::harmonic::{self, CurveSettings, HarmonicError, Resonance};
 use crate::model::Model;
 use crate::system::{Core, System};
@@ -29,14 +29,6 @@ impl<'r> BackboneOfBeam<'r> {
         Ok(Self { amplitudes, channels, starts: Vec::new() })
     }
 
-    fn solve(&self, model: &Model) -> Result<Vec<Resonance>, String> {
-        let system = observed_system(model, &[])?;
-        let settings =
-            CurveSettings { harmonics: HARMONICS, tolerance: TOLERANCE, ..CurveSettings::default() };
-        harmonic::backbone(&system, self.amplitudes, &settings, &self.starts)
-            .map_err(|error| self.advice(&error, &system))
-    }
-
     /// `error` with the frequencies to compare, and the parameters to check.
     fn advice(&self, error: &HarmonicError, system: &System) -> String {
         let measured = self.channels.iter().find(|channel| channel.quantity() == "frequency");
@@ -57,25 +49,31 @@ impl<'r> BackboneOfBeam<'r> {
     }
 }
 
-impl Simulation for BackboneOfBeam<'_> {
+impl Table for BackboneOfBeam<'_> {
+    type Rows = Vec<Resonance>;
+
     fn channels(&self) -> &[&Channel] {
         &self.channels
     }
 
-    fn predict(&mut self, model: &Model, _: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
-        let points = self.solve(model)?;
-        out.clear();
-        for channel in &self.channels {
-            match channel.quantity() {
-                "damping_ratio" => out.extend(points.iter().map(Resonance::damping_ratio)),
-                _ => out.extend(points.iter().map(|point| point.angular_frequency / TAU)),
-            }
-        }
-        Ok(())
+    fn solve(&self, model: &Model) -> Result<Vec<Resonance>, String> {
+        let system = observed_system(model, &[])?;
+        let settings =
+            CurveSettings { harmonics: HARMONICS, tolerance: TOLERANCE, ..CurveSettings::default() };
+        harmonic::backbone(&system, self.amplitudes, &settings, &self.starts)
+            .map_err(|error| self.advice(&error, &system))
     }
 
-    fn keep(&mut self, model: &Model) -> Result<(), String> {
-        self.starts = self.solve(model)?;
-        Ok(())
+    fn show(&self, rows: &Vec<Resonance>, out: &mut Vec<f64>) {
+        for channel in &self.channels {
+            match channel.quantity() {
+                "damping_ratio" => out.extend(rows.iter().map(Resonance::damping_ratio)),
+                _ => out.extend(rows.iter().map(|row| row.angular_frequency / TAU)),
+            }
+        }
+    }
+
+    fn keep(&mut self, rows: Vec<Resonance>) {
+        self.starts = rows;
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::mode::SensedMode;
 use crate::data::{Channel, Record};
 use crate::fit::predict::observed_system::observed_system;
-use crate::fit::predict::simulation::Simulation;
+use crate::fit::predict::table::Table;
 use crate::fit::ring_down::{Asked, OwnDecay, Start};
 use crate::harmonic::{Assembly, mode_at_rest};
 use crate::model::Model;
@@ -38,7 +38,7 @@ struct Decaying {
 /// # Errors
 /// What the record or the model lacks.
 pub(crate) fn scatter_of_starts(model: &Model, record: &Record) -> Result<Vec<[f64; 2]>, String> {
-    let mut decaying = Decaying::of(model, record)?;
+    let decaying = Decaying::of(model, record)?;
     let starts = (0..STARTS).map(|k| k as f64 / STARTS as f64);
     let starts = starts.flat_map(|cycles| [Start::Running { cycles }, Start::Released { cycles }]);
     let all: Vec<Vec<Option<[f64; 2]>>> =
@@ -73,22 +73,26 @@ impl<'r> BackboneOfDecay<'r> {
     }
 }
 
-impl Simulation for BackboneOfDecay<'_> {
+impl Table for BackboneOfDecay<'_> {
+    type Rows = Vec<Option<[f64; 2]>>;
+
     fn channels(&self) -> &[&Channel] {
         &self.channels
     }
 
-    fn predict(&mut self, model: &Model, _: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
+    fn solve(&self, model: &Model) -> Result<Vec<Option<[f64; 2]>>, String> {
         // A model that is far from the measurement may not decay as the table asks.
         let shown = self.decaying.shown(model, Start::Running { cycles: 0.0 }).unwrap_or_default();
         let mut rows: Vec<Option<[f64; 2]>> = (0..self.rows).map(|row| *shown.get(row)?).collect();
         self.decaying.complete(model, &mut rows)?;
-        out.clear();
+        Ok(rows)
+    }
+
+    fn show(&self, rows: &Vec<Option<[f64; 2]>>, out: &mut Vec<f64>) {
         for channel in &self.channels {
             let column = usize::from(channel.quantity() == "damping_ratio");
             out.extend(rows.iter().flatten().map(|row| row[column]));
         }
-        Ok(())
     }
 }
 
@@ -113,16 +117,17 @@ impl Decaying {
     }
 
     /// Frequency (Hz) and damping ratio of `model` in each row of which its decay shows the amplitude.
-    fn shown(&mut self, model: &Model, start: Start) -> Result<Vec<Option<[f64; 2]>>, String> {
+    fn shown(&self, model: &Model, start: Start) -> Result<Vec<Option<[f64; 2]>>, String> {
         let SensedMode { positions, node, mode } = &self.sensed;
         let assembly = Assembly::new(observed_system(model, positions)?);
         let (_, shape) = mode_at_rest(&assembly, *mode, *node).map_err(|error| error.to_string())?;
         let mut integrator = Integrator::new(&assembly.system).map_err(|error| error.to_string())?;
         let scaled = |factor: f64| shape.iter().map(|x| factor * x).collect::<Vec<f64>>();
-        let [displacement, velocity] = self.own.begins(start).map(scaled);
-        self.let_go(&mut integrator, &displacement, &velocity)
+        let mut own = self.own.clone();
+        let [displacement, velocity] = own.begins(start).map(scaled);
+        self.let_go(&mut own, &mut integrator, &displacement, &velocity)
             .map_err(|error| format!("its free decay cannot be simulated: {error}"))?;
-        Ok(self.own.shown())
+        Ok(own.shown())
     }
 
     /// Fills the rows whose amplitude the decay of `model` does not show by what its mode has there.
@@ -141,7 +146,8 @@ impl Decaying {
     /// Lets a system go with such displacements and velocities of its coordinates, and contacts that carry what a first loading gives
     /// them.
     fn let_go(
-        &mut self,
+        &self,
+        own: &mut OwnDecay,
         integrator: &mut Integrator,
         displacement: &[f64],
         velocity: &[f64],
@@ -152,9 +158,9 @@ impl Decaying {
             integrator.displace(&mut motion, displacement, &inputs)?;
         }
         integrator.take_up(&motion, &inputs)?;
-        self.own.clear();
-        while self.own.push(integrator.sensor(self.sensed.node, 2)) {
-            integrator.advance(&mut motion, self.own.step, &inputs, &SETTINGS)?;
+        own.clear();
+        while own.push(integrator.sensor(self.sensed.node, 2)) {
+            integrator.advance(&mut motion, own.step, &inputs, &SETTINGS)?;
         }
         Ok(())
     }

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use crate::data::{Channel, Record};
 use crate::fit::predict::channels::position;
 use crate::fit::predict::observed_system::observed_system;
-use crate::fit::predict::simulation::Simulation;
 use crate::fit::predict::stepper::excitation::mass_of;
+use crate::fit::predict::table::Table;
 use crate::harmonic::{Assembly, CurveSettings, mode_at, mode_near};
 use crate::model::{Model, Structure};
 
@@ -71,18 +71,21 @@ impl<'r> BackboneOfMode<'r> {
     }
 }
 
-impl Simulation for BackboneOfMode<'_> {
+impl Table for BackboneOfMode<'_> {
+    type Rows = Vec<[f64; 2]>;
+
     fn channels(&self) -> &[&Channel] {
         &self.channels
     }
 
-    fn predict(&mut self, model: &Model, _: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
-        let points = self.sensed.at(model, self.amplitudes)?;
-        out.clear();
+    fn solve(&self, model: &Model) -> Result<Vec<[f64; 2]>, String> {
+        self.sensed.at(model, self.amplitudes)
+    }
+
+    fn show(&self, rows: &Vec<[f64; 2]>, out: &mut Vec<f64>) {
         for channel in &self.channels {
             let column = usize::from(channel.quantity() == "damping_ratio");
-            out.extend(points.iter().map(|point| point[column]));
+            out.extend(rows.iter().map(|row| row[column]));
         }
-        Ok(())
     }
 }

@@ -7,8 +7,8 @@ use crate::harmonic::period::closure::add_scaled;
 use crate::numeric::implicit::Implicit;
 
 impl SampledCycle {
-    /// One step from `state` to the sample `k` through the series spring; leaves `next` and its
-    /// sensitivity, and writes the force's sensitivity to column `column` if there is one.
+    /// One step from `state` to the sample `k` through the series spring; leaves `next` and what changes of its
+    /// sensitivity, for [`SampledCycle::move_on`], and writes the force's sensitivity to column `column` if there is one.
     pub(super) fn step(
         &mut self,
         contact: &PeriodicContact,
@@ -91,16 +91,33 @@ impl SampledCycle {
         // … and the contact moves by du − a dT.
         row.iter_mut().for_each(|r| *r *= -compliance);
         row.iter_mut().zip(functions).for_each(|(r, b)| *r += b);
+        self.changed.clear();
         for (i, target) in self.next_sensitivity.chunks_exact_mut(columns).enumerate() {
-            target.fill(0.0);
-            add_scaled(target, self.tangents.next_by_displacement[i], row);
-            if rated {
-                add_scaled(target, self.tangents.next_by_velocity[i], &self.velocity_row);
-            }
+            let (by_displacement, by_velocity) =
+                (self.tangents.next_by_displacement[i], self.tangents.next_by_velocity[i]);
             let weights = &self.tangents.next_by_state[i * n..(i + 1) * n];
+            if by_displacement == 0.0 && by_velocity == 0.0 && is_unit(weights, i) {
+                continue;
+            }
+            self.changed.push(i);
+            target.fill(0.0);
+            add_scaled(target, by_displacement, row);
+            if rated {
+                add_scaled(target, by_velocity, &self.velocity_row);
+            }
             for (weight, source) in weights.iter().zip(self.state_sensitivity.chunks_exact(columns)) {
                 add_scaled(target, *weight, source);
             }
+        }
+    }
+
+    /// Makes the step's end the start of the next, with its sensitivity.
+    pub(super) fn move_on(&mut self) {
+        let columns = self.wide + 1 + self.state_len;
+        std::mem::swap(&mut self.state, &mut self.next);
+        for i in &self.changed {
+            let row = i * columns..(i + 1) * columns;
+            self.state_sensitivity[row.clone()].copy_from_slice(&self.next_sensitivity[row]);
         }
     }
 
@@ -130,14 +147,19 @@ impl SampledCycle {
                 self.place_jump(contact, angular_frequency, k, true);
             }
             largest = largest.max(last.abs());
-            std::mem::swap(&mut self.state, &mut self.next);
-            std::mem::swap(&mut self.state_sensitivity, &mut self.next_sensitivity);
+            self.move_on();
             for (scale, value) in self.state_scale.iter_mut().zip(&self.state) {
                 *scale = scale.max(value.abs());
             }
         }
         self.force_scale = largest;
     }
+}
+
+/// Whether all but the weight of `i` itself, which is one, are zero.
+fn is_unit(weights: &[f64], i: usize) -> bool {
+    let zero = |weight: &f64| *weight == 0.0;
+    weights[i] == 1.0 && weights[..i].iter().all(zero) && weights[i + 1..].iter().all(zero)
 }
 
 pub(in crate::harmonic::period) fn differentiate_functions(

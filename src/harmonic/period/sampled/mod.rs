@@ -71,6 +71,8 @@ pub(crate) struct SampledCycle {
     start_sensitivity: Vec<f64>,
     state_sensitivity: Vec<f64>,
     next_sensitivity: Vec<f64>,
+    /// Parts of the state whose sensitivity the last step changed.
+    changed: Vec<usize>,
     displacement_row: Vec<f64>,
     velocity_row: Vec<f64>,
     closure: Closure,
@@ -121,6 +123,7 @@ impl SampledCycle {
             start_sensitivity: Vec::new(),
             state_sensitivity: Vec::new(),
             next_sensitivity: Vec::new(),
+            changed: Vec::new(),
             displacement_row: Vec::new(),
             velocity_row: Vec::new(),
             closure: Closure::default(),
@@ -275,8 +278,9 @@ impl SampledCycle {
         self.state_sensitivity.fill(0.0);
         self.force_scale = 0.0;
         self.step(contact, angular_frequency, self.origin, 0.0, None);
-        self.start.copy_from_slice(&self.next);
-        self.start_sensitivity.copy_from_slice(&self.next_sensitivity);
+        self.move_on();
+        self.start.copy_from_slice(&self.state);
+        self.start_sensitivity.copy_from_slice(&self.state_sensitivity);
         self.force_samples.fill(f64::NAN);
     }
 
