@@ -130,10 +130,12 @@ impl Joint {
             let own = (out.force_by_state[column], out.next_by_state[SLIP * n + column]);
             let effect = chain.effect(self.cause(column, own));
             // What a slider remembers moves neither the end nor its load.
-            let moves = effect.displacement != 0.0 || effect.load != 0.0;
-            for row in if moves { BASE..n } else { n..n } {
-                out.next_by_state[row * n + column] += out.next_by_displacement[row] * effect.displacement
-                    + out.next_by_normal_load[row] * effect.load;
+            if effect.displacement != 0.0 || effect.load != 0.0 {
+                for row in BASE..n {
+                    out.next_by_state[row * n + column] += out.next_by_displacement[row]
+                        * effect.displacement
+                        + out.next_by_normal_load[row] * effect.load;
+                }
             }
             out.next_by_state[SIDE * n + column] = 0.0;
             out.next_by_state[SLIP * n + column] = effect.slip;

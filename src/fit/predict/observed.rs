@@ -60,8 +60,27 @@ impl<'r> ObservedSimulation<'r> {
         Ok(())
     }
 
-    /// As [`Simulation::linearise`], through the sensors.
+    /// As [`ObservedSimulation::look_around`], with an error where one of the directions cannot be predicted.
     pub fn linearise(
+        &mut self,
+        model: &Model,
+        nuisances: &[f64],
+        directions: &[Direction],
+        predictions: &mut Vec<f64>,
+        derivatives: &mut Vec<Vec<f64>>,
+    ) -> Result<(), String> {
+        self.look_around(model, nuisances, directions, predictions, derivatives)?;
+        let lost = derivatives.iter().position(|derivative| derivative.iter().any(|x| !x.is_finite()));
+        let Some(Direction { model, nuisances, .. }) = lost.map(|place| &directions[place]) else {
+            return Ok(());
+        };
+        // What stands in the way there.
+        self.predict(model, nuisances, &mut Vec::new())?;
+        Err("a derivative of the predictions is not finite".to_owned())
+    }
+
+    /// As [`Simulation::linearise`], through the sensors.
+    pub fn look_around(
         &mut self,
         model: &Model,
         nuisances: &[f64],

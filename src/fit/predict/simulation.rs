@@ -53,13 +53,6 @@ pub(crate) trait Simulation: Send {
         let _ = finer;
     }
 
-    /// Solves for the motion under `model` and keeps the solution as the start of the predictions to come, where there is
-    /// something to solve for.
-    fn keep(&mut self, model: &Model) -> Result<(), String> {
-        let _ = model;
-        Ok(())
-    }
-
     /// Writes the predictions of all channels, one after the other, `Σ len` numbers, in the channels' units.
     fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String>;
 
@@ -68,7 +61,7 @@ pub(crate) trait Simulation: Send {
     /// derivatives gives those.
     ///
     /// `derivatives[j]` is `(prediction(directions[j]) − prediction) / directions[j].step`, of the length of
-    /// the predictions.
+    /// the predictions; as [`Simulation::differences`] says where directions cannot be predicted.
     fn linearise(
         &mut self,
         model: &Model,
@@ -77,7 +70,6 @@ pub(crate) trait Simulation: Send {
         predictions: &mut Vec<f64>,
         derivatives: &mut Vec<Vec<f64>>,
     ) -> Result<(), String> {
-        self.keep(model)?;
         self.predict(model, nuisances, predictions)?;
         self.differences(directions, predictions, derivatives)
     }

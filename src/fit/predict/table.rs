@@ -38,12 +38,6 @@ impl<T: Table> Simulation for T {
         Ok(())
     }
 
-    fn keep(&mut self, model: &Model) -> Result<(), String> {
-        let rows = self.solve(model)?;
-        Table::keep(self, rows);
-        Ok(())
-    }
-
     fn linearise(
         &mut self,
         model: &Model,
@@ -55,7 +49,7 @@ impl<T: Table> Simulation for T {
         let rows = self.solve(model)?;
         predictions.clear();
         self.show(&rows, predictions);
-        Table::keep(self, rows);
+        self.keep(rows);
         self.differences(directions, predictions, derivatives)
     }
 
