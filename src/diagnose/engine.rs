@@ -147,7 +147,7 @@ fn diagnosis(
         return Ok(verdict::insufficient(model, dataset, baseline, measured, &parts, reason));
     }
     let (tried, untried) = candidates::tried(model, &bench, options.effects.as_deref());
-    progress.expect(1 + tried.len());
+    progress.expect(1 + tried.len() + AFTER_EFFECTS);
     let Base { first, whole: base, lost, through } = base(&mut bench, model, &parts.seen(), &measured)?;
     let seen = parts.seen();
     let training = Fitted { records: &seen, noise: &measured, through: &through };
@@ -161,6 +161,7 @@ fn diagnosis(
     let test = Measured::new(&bench, &parts.test, &measured, &through);
     let all = Measured::new(&bench, &parts.all(), &measured, &through);
     let decision = Decision::of(&context, &weighed).confirmed(&context, &weighed, &test, &all);
+    progress.tell("what is told from other starts");
     weighed.assure(decision.best, &data);
     if weighed.weights[0] < 1.0 - options.assumptions.certain {
         weighed.refitted_as(first, &data);
@@ -350,6 +351,9 @@ fn added(
     stages.push(stage(&name, &with, &base.model, dataset, &bench));
     Ok(Added { model: with.model.with_new_free(model), stages })
 }
+
+/// Stages of a diagnosis after its effects were tried, that are told.
+const AFTER_EFFECTS: usize = 4;
 
 /// Counts what is done of what is expected.
 struct Progress<'a> {

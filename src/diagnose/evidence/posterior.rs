@@ -101,9 +101,9 @@ impl Posterior {
 /// How far a round goes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Extent {
-    steps: usize,
+    pub(super) steps: usize,
     /// Relative fall of the sum of squares that ends them.
-    tolerance: f64,
+    pub(super) tolerance: f64,
 }
 
 /// A first look.

@@ -1,5 +1,5 @@
-//! The error of the steps in time taken off the parameters: fits repeat simulations a thousand times, with steps whose error
-//! lies far below the noise of one sample, but not of all of them.
+//! The error of the steps in time, and of the harmonics that are left out, taken off the parameters: fits repeat simulations
+//! a thousand times, with an error that lies far below the noise of one sample, but not of all of them.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -12,28 +12,42 @@ use crate::model::Structure;
 /// Steps in place of one.
 const FINER: usize = 8;
 
-/// `posterior` moved to where simulations in finer steps fit best, to first order.
+/// Steps of Gauss and Newton: the error of the steps may move a parameter by many of its deviations, which are small.
+const ROUNDS: usize = 2;
+
+/// `posterior` moved to where simulations in finer steps fit best.
 pub(super) fn refined(data: &Measured, posterior: &Posterior) -> Result<Posterior, String> {
     if posterior.model.structure == Structure::Prescribed {
         return Ok(posterior.clone());
     }
     let (latent, count) = (Latent::default(), posterior.unknowns.len());
     let mut joint = Joint::new(data, &posterior.model, &posterior.unknowns, &latent)?;
-    let y = white_round(&mut joint, &posterior.y[..count], HERE)?;
-    joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
-    let curvature = DMatrix::from_row_slice(y.len(), y.len(), &joint.sums_here(&y).curvature);
-    let factor = curvature.cholesky().ok_or("the curvature is not positive")?;
-    let whitened = joint.whitened();
-    let mut gradient = DVector::zeros(y.len());
+    let mut y = white_round(&mut joint, &posterior.y[..count], HERE)?;
+    for _ in 0..ROUNDS {
+        joint.minimise(&mut y, HERE.steps, HERE.tolerance)?;
+        joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
+        y = stepped(&mut joint, &y)?;
+    }
+    y.truncate(count);
+    Ok(Posterior { model: joint.model(&y)?, y, ..posterior.clone() })
+}
+
+/// A step from `y` towards where predictions in finer steps, that change with the unknowns as those here, fit best.
+fn stepped(joint: &mut Joint, y: &[f64]) -> Result<Vec<f64>, String> {
+    let data = joint.data;
+    let sums = joint.sums_here(y);
+    let factor = DMatrix::from_row_slice(y.len(), y.len(), &sums.curvature).cholesky();
+    let factor = factor.ok_or("the curvature is not positive")?;
+    let mut gradient = DVector::from_vec(sums.gradient);
+    let (model, whitened) = (joint.model(y)?, joint.whitened());
     for (k, record) in whitened.iter().enumerate() {
-        let error = joint.slots[k].step_error(&posterior.model, &y, FINER)?;
+        let error = joint.slots[k].step_error(&model, y, FINER)?;
         let error = joint.noise.whiten(data, k, &error);
-        record.columns.iter().for_each(|(i, column)| gradient[*i] -= dot(column, &error));
+        record.columns.iter().for_each(|(i, column)| gradient[*i] += dot(column, &error));
     }
     data.bench.count(FINER * whitened.len());
     let step = factor.solve(&gradient);
-    let moved: Vec<f64> = posterior.y[..count].iter().zip(step.iter()).map(|(y, by)| y + by).collect();
-    Ok(Posterior { model: joint.model(&moved)?, y: moved, ..posterior.clone() })
+    Ok(y.iter().zip(step.iter()).map(|(y, by)| y - by).collect())
 }
 
 #[cfg(test)]

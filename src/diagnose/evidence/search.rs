@@ -96,8 +96,11 @@ impl Search<'_, '_, '_> {
                 break;
             }
         }
+        (self.report)("likely sets of effects without one of them");
         self.repair(&mut sets);
+        (self.report)("sets of effects that fit worse than smaller ones");
         self.nest(&mut sets);
+        (self.report)("likely sets of effects with a discrepancy");
         self.doubt(&mut sets, doubts);
         sets
     }
@@ -303,9 +306,10 @@ impl Search<'_, '_, '_> {
         }
     }
 
-    /// The fit of `set` from where a likelier one with a discrepancy is, if it is better there.
+    /// The fit of `set` from where a likelier one with a discrepancy is, if it is better there. A discrepancy that was weighed
+    /// to first order alone is where the set is.
     fn refitted_from(&self, set: &Set, with: &Set) -> Option<Posterior> {
-        if evidence(with) <= evidence(set) {
+        if evidence(with) <= evidence(set) || with.posterior.y == set.posterior.y {
             return None;
         }
         let found = super::again(self.data, &with.posterior).ok()?;

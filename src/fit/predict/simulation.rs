@@ -48,7 +48,8 @@ pub(crate) trait Simulation: Send {
         Ok(Vec::new())
     }
 
-    /// Takes so many steps in time in place of one, where the steps are not controlled.
+    /// Takes so many steps in time in place of one, where the steps are not controlled; a balance that leaves harmonics out
+    /// takes more of them.
     fn refine(&mut self, finer: usize) {
         let _ = finer;
     }

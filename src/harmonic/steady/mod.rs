@@ -247,6 +247,15 @@ impl Start {
             && self.ports.iter().all(|(_, coefficients)| coefficients.len() == count)
     }
 
+    /// The same motion in the harmonics of `problem`, which has no fewer.
+    pub fn padded(&self, problem: &SteadyProblem) -> Self {
+        let mut start = Self { factors: None, ..self.clone() };
+        start.contact.resize(coefficient_count(problem.contact_harmonics), 0.0);
+        let count = coefficient_count(problem.harmonics);
+        start.ports.iter_mut().for_each(|(_, coefficients)| coefficients.resize(count, 0.0));
+        start
+    }
+
     /// What a balance condensed to `ports` calls its unknowns.
     pub(super) fn unknowns(&self, ports: &Ports) -> Vec<f64> {
         let at = |name: &str| self.ports.iter().find(|(known, _)| known == name);

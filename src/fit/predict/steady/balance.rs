@@ -66,12 +66,12 @@ pub(super) struct SteadyRecord {
 }
 
 impl SteadyRecord {
-    /// The record, with as many harmonics as a model with its highest mode at `highest` (rad/s) needs.
-    pub fn new(record: &Record, channels: &[&Channel], highest: f64) -> Result<Self, String> {
+    /// The record, with `finer` times as many harmonics as a model with its highest mode at `highest` (rad/s) needs.
+    pub fn new(record: &Record, channels: &[&Channel], highest: f64, finer: usize) -> Result<Self, String> {
         let excitation = record.channel("excitation").ok_or("there is no `excitation` column")?;
         let measured = RecordHarmonics::new(record, channels, excitation, |angular_frequency| {
             let beyond = (BEYOND_HIGHEST_MODE * highest / angular_frequency).ceil() as usize + 1;
-            beyond.clamp(HARMONICS.0, HARMONICS.1)
+            finer * beyond.clamp(HARMONICS.0, HARMONICS.1)
         })?;
         let harmonics = measured.harmonics;
         let forcing = SteadyProblem {
@@ -88,6 +88,11 @@ impl SteadyRecord {
     /// Starts from a solution of another simulation of the record.
     pub fn start_from(&mut self, start: &Start) {
         self.start = Some(start.clone()).filter(|start| start.fits(&self.forcing));
+    }
+
+    /// Starts from a solution of the record in fewer harmonics.
+    pub fn start_from_fewer(&mut self, start: &Start) {
+        self.start = Some(start.padded(&self.forcing));
     }
 
     /// Predictions of all channels, one after the other: of the response near the last one of this simulation where

@@ -18,12 +18,20 @@ const MOST_OFFSET: f64 = 2.0;
 /// The same displacement where a model has no contact to say it.
 const NO_REACH: f64 = 1e-9;
 
+/// Harmonics in place of one: the error falls to a third and less, while the cost of a solution rises with their cube.
+const MOST_FINER: usize = 3;
+
 /// The simulation of one steady record of a beam. A contact that sticks all through keeps the force that it was left
 /// with: its static offset is the unknown of the record.
 pub(in crate::fit::predict) struct SteadyBeam<'r> {
+    record: &'r Record,
     channels: Vec<&'r Channel>,
     positions: Vec<f64>,
+    /// The highest mode (rad/s).
+    highest: f64,
     solver: Solver,
+    /// Predicts in the solver's place, where more harmonics are asked for.
+    finer: Option<Box<SteadyRecord>>,
 }
 
 enum Solver {
@@ -47,7 +55,7 @@ impl<'r> SteadyBeam<'r> {
             Core::Modal { angular_frequency, .. } => angular_frequency.iter().copied().fold(0.0, f64::max),
             Core::Matrices { .. } => 0.0,
         };
-        let mut steady = SteadyRecord::new(record, &channels, highest)?;
+        let mut steady = SteadyRecord::new(record, &channels, highest, 1)?;
         let solver = match seed {
             Some(Seed::LinearisedAtMeasurement) => {
                 Solver::Linearised(Box::new(LinearisedAtMeasurement::new(steady)))
@@ -63,7 +71,17 @@ impl<'r> SteadyBeam<'r> {
                 Solver::Balance(Box::new(steady))
             }
         };
-        Ok(Self { channels, positions, solver })
+        Ok(Self { record, channels, positions, highest, solver, finer: None })
+    }
+
+    /// The record in more harmonics than the solver has, `finer` times as many or [`MOST_FINER`], about its last solution.
+    fn in_more_harmonics(&self, finer: usize) -> Option<SteadyRecord> {
+        let Solver::Balance(steady) = &self.solver else { return None };
+        let start = steady.start()?;
+        let finer = finer.min(MOST_FINER);
+        let mut more = SteadyRecord::new(self.record, &self.channels, self.highest, finer).ok()?;
+        more.start_from_fewer(start);
+        Some(more)
     }
 
     fn assembly(&self, model: &Model, nuisances: &[f64]) -> Result<Assembly, String> {
@@ -101,12 +119,18 @@ impl Simulation for SteadyBeam<'_> {
         Ok(vec![Parameter { start: 0.0, lower, upper, scale: Scale::Linear }])
     }
 
+    fn refine(&mut self, finer: usize) {
+        let more = (finer > 1).then(|| self.in_more_harmonics(finer));
+        self.finer = more.flatten().map(Box::new);
+    }
+
     fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
         let assembly = self.assembly(model, nuisances)?;
         let at = At { model, nuisances, assembly: &assembly };
-        match &mut self.solver {
-            Solver::Balance(steady) => steady.predict(&at, out),
-            Solver::Linearised(about) => about.predict(&at, out),
+        match (&mut self.finer, &mut self.solver) {
+            (Some(finer), _) => finer.predict(&at, out),
+            (None, Solver::Balance(steady)) => steady.predict(&at, out),
+            (None, Solver::Linearised(about)) => about.predict(&at, out),
         }
     }
 

@@ -1,10 +1,13 @@
 //! Predictions of beams and their derivatives.
 
+use super::balance::{At, SteadyRecord};
 use crate::data::{Channel, Record, Regime};
 use crate::fit::predict::observed::ObservedSimulation;
+use crate::fit::predict::observed_system::{observed_assembly, observed_system};
 use crate::fit::predict::regimes;
 use crate::fit::predict::simulation::{Direction, Seed, Simulation};
 use crate::model::Model;
+use crate::system::Core;
 
 const SAMPLES: usize = 96;
 const PERIODS: usize = 2;
@@ -204,6 +207,40 @@ fn a_warm_start_changes_the_path_and_not_the_answer() {
     let size = cold.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
     for (warm, cold) in warm.iter().zip(&cold) {
         assert!((warm - cold).abs() < 1e-5 * size, "{warm} {cold} of {size}");
+    }
+}
+
+/// Harmonics beyond those of a fit bring predictions nearer to what very many show, and are gone again when they are not
+/// asked for.
+#[test]
+fn refined_predictions_are_nearer_to_those_of_very_many_harmonics() {
+    for effect in [
+        "",
+        r#"effect = [{ id = "backlash", half_gap = 3e-6 }]"#,
+        r#"effect = [{ id = "asymmetry", asymmetry = 0.2 }]"#,
+        r#"effect = [{ id = "geometric_stiffening", cubic_stiffness = 2e9 }]"#,
+    ] {
+        let (model, record) = (model(effect), record(12.0, 51.0));
+        let channels: Vec<&Channel> = record.channels[2..].iter().collect();
+        let mut simulation = simulation(&model, &record);
+        let system = observed_system(&model, &[0.55, 0.1]).unwrap();
+        let Core::Modal { angular_frequency, .. } = &system.core else { panic!("a beam has modes") };
+        let highest = angular_frequency.iter().copied().fold(0.0, f64::max);
+        let mut many = SteadyRecord::new(&record, &channels, highest, 8).unwrap();
+        many.start_from_fewer(simulation.solution().unwrap());
+        let assembly = observed_assembly(&model, &[0.55, 0.1], None, 0.0).unwrap();
+        let mut reference = Vec::new();
+        many.predict(&At { model: &model, nuisances: &[0.0], assembly: &assembly }, &mut reference).unwrap();
+        let mut shown = |finer: usize| {
+            let mut out = Vec::new();
+            simulation.refine(finer);
+            simulation.predict(&model, &[0.0], &mut out).unwrap();
+            out
+        };
+        let [coarse, fine, again] = [1, 8, 1].map(&mut shown);
+        let apart = |a: &[f64]| a.iter().zip(&reference).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        assert!(3.0 * apart(&fine) < apart(&coarse), "{effect}: {:e} {:e}", apart(&fine), apart(&coarse));
+        assert_eq!(coarse, again);
     }
 }
 
