@@ -161,8 +161,10 @@ fn diagnosis(
     let test = Measured::new(&bench, &parts.test, &measured, &through);
     let all = Measured::new(&bench, &parts.all(), &measured, &through);
     let decision = Decision::of(&context, &weighed).confirmed(&context, &weighed, &test, &all);
-    progress.tell("what is told from other starts");
     weighed.assure(decision.best, &data);
+    if !bench.interrupted() {
+        progress.tell("the parameters told, from other starts and in finer steps");
+    }
     if weighed.weights[0] < 1.0 - options.assumptions.certain {
         weighed.refitted_as(first, &data);
     }

@@ -90,7 +90,7 @@ impl<'a, 'd> Joint<'a, 'd> {
         Ok(model)
     }
 
-    fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
+    pub fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
         let shared = self.unknowns.iter().map(|u| u.coordinate.bounds());
         let latent = std::iter::repeat_n((-LARGEST_WEIGHT, LARGEST_WEIGHT), self.latent.count);
         shared

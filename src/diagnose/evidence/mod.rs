@@ -7,7 +7,8 @@
 //! is its minimum with the volume around it, `probe` what amounts of each candidate would change to first order. `search`
 //! grows sets from none by first `looks` and whole fits, and `neighbours` makes sure of the likely ones; `weights` makes
 //! probabilities of their evidence, `limits` tells what could not have been seen. Of the base and of the decided one
-//! `agreement` looks for a better minimum, and `refined` takes off the error of the steps in time.
+//! `agreement` looks for a better minimum, and `refined` takes off the error of the steps in time and of harmonics that
+//! are left out.
 
 mod agreement;
 mod autoregression;
@@ -66,13 +67,14 @@ pub(super) struct Weighed {
 }
 
 impl Weighed {
-    /// Makes sure of the parameters of the set that was `decided` for: no better fit lies near, and the steps in time are no
-    /// part of them. Only of what is told, after the decision: all sets were compared in the same steps.
+    /// Makes sure of the parameters of the set that was `decided` for: no better fit lies near, and the error of predictions is
+    /// no part of them. Only of what is told, after the decision: all sets were compared by the same predictions.
     pub fn assure(&mut self, decided: usize, data: &Measured) {
         let posterior = &mut self.sets[decided].posterior;
-        if !data.bench.interrupted() {
-            (*posterior, self.agreement) = agreement::agreement(data, posterior);
+        if data.bench.interrupted() {
+            return;
         }
+        (*posterior, self.agreement) = agreement::agreement(data, posterior);
         if let Ok(refined) = refined::refined(data, posterior) {
             *posterior = refined;
         }

@@ -96,13 +96,20 @@ impl Search<'_, '_, '_> {
                 break;
             }
         }
-        (self.report)("likely sets of effects without one of them");
         self.repair(&mut sets);
-        (self.report)("sets of effects that fit worse than smaller ones");
+        self.told("likely sets of effects without one of them");
         self.nest(&mut sets);
-        (self.report)("likely sets of effects with a discrepancy");
+        self.told("sets of effects that fitted worse than smaller ones");
         self.doubt(&mut sets, doubts);
+        self.told("likely sets of effects with a discrepancy");
         sets
+    }
+
+    /// Reports a stage that was done.
+    fn told(&self, stage: &str) {
+        if !self.data.bench.interrupted() {
+            (self.report)(stage);
+        }
     }
 
     /// Whether two candidates are forms of one.

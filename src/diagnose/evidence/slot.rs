@@ -83,7 +83,7 @@ impl<'d> Slot<'d> {
         std::mem::swap(&mut self.derivatives, &mut self.next.1);
     }
 
-    /// What `finer` steps in time change about the predictions at the point `y` that was linearised.
+    /// What predictions refined `finer` times change at the point `y` that was linearised.
     pub fn step_error(&mut self, model: &Model, y: &[f64], finer: usize) -> Result<Vec<f64>, String> {
         let (start, mut fine) = (self.own_values(y), Vec::new());
         self.shown.refine(finer);

@@ -48,8 +48,9 @@ pub(crate) trait Simulation: Send {
         Ok(Vec::new())
     }
 
-    /// Takes so many steps in time in place of one, where the steps are not controlled; a balance that leaves harmonics out
-    /// takes more of them.
+    /// Has predictions made in so many steps in time in place of one, where the steps are not controlled; of beams in a steady
+    /// state in more harmonics, an error where the response in those is another. Whether derivatives are refined, too, is
+    /// left open.
     fn refine(&mut self, finer: usize) {
         let _ = finer;
     }

@@ -107,6 +107,21 @@ impl SteadyRecord {
         Ok(())
     }
 
+    /// Predictions of the response that the start is near to, and of no other.
+    pub fn follow(&self, at: &At, out: &mut Vec<f64>) -> Result<(), String> {
+        let start = self.start.as_ref().ok_or("there is no response to follow")?;
+        let mut steady = self.forcing.solve(at.assembly, &[], Some(start)).map_err(text)?;
+        let here = steady.here();
+        let pairs = || here.contact().iter().zip(start.contact());
+        let apart: f64 = pairs().map(|(here, start)| (here - start).powi(2)).sum();
+        let size: f64 = pairs().map(|(_, start)| start * start).sum();
+        if apart > WRONG_BRANCH * WRONG_BRANCH * size {
+            return Err("the response is another in more harmonics".to_owned());
+        }
+        self.measured.observe(&steady.sensors(&self.forcing), out);
+        Ok(())
+    }
+
     /// Predictions, and their differences to those of `neighbours` to first order; the solution becomes the start of
     /// what follows.
     pub fn linearise(

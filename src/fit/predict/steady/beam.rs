@@ -30,7 +30,7 @@ pub(in crate::fit::predict) struct SteadyBeam<'r> {
     /// The highest mode (rad/s).
     highest: f64,
     solver: Solver,
-    /// Predicts in the solver's place, where more harmonics are asked for.
+    /// Follows the solver's last solution where predictions in more harmonics are asked for.
     finer: Option<Box<SteadyRecord>>,
 }
 
@@ -128,7 +128,7 @@ impl Simulation for SteadyBeam<'_> {
         let assembly = self.assembly(model, nuisances)?;
         let at = At { model, nuisances, assembly: &assembly };
         match (&mut self.finer, &mut self.solver) {
-            (Some(finer), _) => finer.predict(&at, out),
+            (Some(finer), _) => finer.follow(&at, out),
             (None, Solver::Balance(steady)) => steady.predict(&at, out),
             (None, Solver::Linearised(about)) => about.predict(&at, out),
         }
