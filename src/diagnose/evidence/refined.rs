@@ -19,7 +19,8 @@ const MOVES: usize = 2;
 const NEGLIGIBLE: f64 = 0.01;
 
 /// `posterior` moved to where refined simulations fit best, as far as their error alone moves it: unknowns at their bounds stay
-/// there. Records that cannot be refined move nothing.
+/// there, and so does all of it where refined simulations leave more there than the others did, as another of several responses
+/// would. Records that cannot be refined move nothing.
 pub(super) fn refined(data: &Measured, posterior: &Posterior) -> Result<Posterior, String> {
     if posterior.model.structure == Structure::Prescribed {
         return Ok(posterior.clone());
@@ -28,50 +29,67 @@ pub(super) fn refined(data: &Measured, posterior: &Posterior) -> Result<Posterio
     let mut joint = Joint::new(data, &posterior.model, &posterior.unknowns, &latent)?;
     let mut y = white_round(&mut joint, &posterior.y[..count], HERE)?;
     joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
-    let unrefined = joint.sums_here(&y).gradient;
-    for _ in 0..MOVES {
-        let (moved, deviations) = moved(&mut joint, &y, &unrefined)?;
-        y = moved;
-        if deviations < NEGLIGIBLE || joint.minimise(&mut y, HERE.steps, HERE.tolerance).is_err() {
+    let unrefined = joint.sums_here(&y);
+    let (mut best, mut least) = (y.clone(), unrefined.cost);
+    for _ in 0..=MOVES {
+        let Ok(there) = Refined::at(&mut joint, &y, &unrefined.gradient) else { break };
+        if there.cost < least {
+            (best, least) = (y, there.cost);
+        }
+        y = there.moved;
+        if there.deviations < NEGLIGIBLE || joint.minimise(&mut y, HERE.steps, HERE.tolerance).is_err() {
             break;
         }
     }
-    y.truncate(count);
-    Ok(Posterior { model: joint.model(&y)?, y, ..posterior.clone() })
+    best.truncate(count);
+    Ok(Posterior { model: joint.model(&best)?, y: best, ..posterior.clone() })
 }
 
-/// Where refined predictions, that change with the unknowns as those linearised at `y`, fit as `unrefined` ones did, whose gradient
-/// that was; how far that is, in deviations.
-fn moved(joint: &mut Joint, y: &[f64], unrefined: &[f64]) -> Result<(Vec<f64>, f64), String> {
-    let (data, n) = (joint.data, y.len());
-    let (sums, model, whitened) = (joint.sums_here(y), joint.model(y)?, joint.whitened());
-    let error = |slot: &mut Slot| {
-        data.bench.unless_interrupted().and_then(|()| slot.step_error(&model, y, FINER)).ok()
-    };
-    let errors: Vec<Option<Vec<f64>>> = joint.slots.par_iter_mut().map(error).collect();
-    data.bench.unless_interrupted()?;
-    data.bench.count(FINER * whitened.len());
-    let mut gradient = DVector::from_vec(sums.gradient) - DVector::from_column_slice(unrefined);
-    for (k, (record, error)) in whitened.iter().zip(errors).enumerate() {
-        let Some(error) = error else { continue };
-        let error = joint.noise.whiten(data, k, &error);
-        record.columns.iter().for_each(|(i, column)| gradient[*i] += dot(column, &error));
+/// What refined predictions say at a point.
+struct Refined {
+    /// Half the sum of squares, of residuals and of the unknowns.
+    cost: f64,
+    /// Where predictions that change with the unknowns as those at the point fit best.
+    moved: Vec<f64>,
+    /// How far that is, in deviations.
+    deviations: f64,
+}
+
+impl Refined {
+    /// At the point `y` that was linearised; predictions that are not refined fit where their gradient is `unrefined`.
+    fn at(joint: &mut Joint, y: &[f64], unrefined: &[f64]) -> Result<Self, String> {
+        let (data, n) = (joint.data, y.len());
+        let (sums, model, whitened) = (joint.sums_here(y), joint.model(y)?, joint.whitened());
+        let error = |slot: &mut Slot| {
+            data.bench.unless_interrupted().and_then(|()| slot.step_error(&model, y, FINER)).ok()
+        };
+        let errors: Vec<Option<Vec<f64>>> = joint.slots.par_iter_mut().map(error).collect();
+        data.bench.unless_interrupted()?;
+        data.bench.count(FINER * whitened.len());
+        let mut cost = sums.cost;
+        let mut gradient = DVector::from_vec(sums.gradient) - DVector::from_column_slice(unrefined);
+        for (k, (record, error)) in whitened.iter().zip(errors).enumerate() {
+            let Some(error) = error else { continue };
+            let error = joint.noise.whiten(data, k, &error);
+            cost += dot(&record.residuals, &error) + 0.5 * dot(&error, &error);
+            record.columns.iter().for_each(|(i, column)| gradient[*i] += dot(column, &error));
+        }
+        let mut curvature = DMatrix::from_row_slice(n, n, &sums.curvature);
+        let (lower, upper) = joint.bounds();
+        for i in (0..n).filter(|i| y[*i] <= lower[*i] || y[*i] >= upper[*i]) {
+            curvature.row_mut(i).fill(0.0);
+            curvature.column_mut(i).fill(0.0);
+            (curvature[(i, i)], gradient[i]) = (1.0, 0.0);
+        }
+        let factor = curvature.cholesky().ok_or("the curvature is not positive")?;
+        let step = factor.solve(&gradient);
+        let deviations = step.dot(&gradient).sqrt();
+        if !deviations.is_finite() {
+            return Err("the error of the predictions is not finite".to_owned());
+        }
+        let inside = |i: usize| (y[i] - step[i]).max(lower[i]).min(upper[i]);
+        Ok(Self { cost, moved: (0..n).map(inside).collect(), deviations })
     }
-    let mut curvature = DMatrix::from_row_slice(n, n, &sums.curvature);
-    let (lower, upper) = joint.bounds();
-    for i in (0..n).filter(|i| y[*i] <= lower[*i] || y[*i] >= upper[*i]) {
-        curvature.row_mut(i).fill(0.0);
-        curvature.column_mut(i).fill(0.0);
-        (curvature[(i, i)], gradient[i]) = (1.0, 0.0);
-    }
-    let factor = curvature.cholesky().ok_or("the curvature is not positive")?;
-    let step = factor.solve(&gradient);
-    let deviations = step.dot(&gradient).sqrt();
-    if !deviations.is_finite() {
-        return Err("the error of the predictions is not finite".to_owned());
-    }
-    let inside = |i: usize| (y[i] - step[i]).max(lower[i]).min(upper[i]);
-    Ok(((0..n).map(inside).collect(), deviations))
 }
 
 #[cfg(test)]
