@@ -93,6 +93,8 @@ fn panic_text(payload: &(dyn Any + Send)) -> String {
 fn install_hook() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
+        #[cfg(test)]
+        stickslip_fuzz::catch_panics();
         let previous = panic::take_hook();
         panic::set_hook(Box::new(move |information| {
             if !INSIDE.get() {

@@ -283,6 +283,8 @@ pub fn install_hook() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         #[cfg(test)]
+        stickslip_fuzz::catch_panics();
+        #[cfg(test)]
         let previous = panic::take_hook();
         panic::set_hook(Box::new(move |information| {
             #[cfg(test)]

@@ -15,6 +15,7 @@ mod watch;
 
 pub use fastrand::Rng;
 pub use mutate::{mutate, mutate_text};
+pub use watch::catch_panics;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};

@@ -12,21 +12,27 @@ thread_local! {
     static LAST: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
+/// Puts the hook for panics of trials in place, once. Others that take the hook do this first: of two that take it at the same
+/// time one is lost.
+pub fn catch_panics() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let other = panic::take_hook();
+        panic::set_hook(Box::new(move |panic| {
+            let trial = LAST.with_borrow_mut(|last| last.as_mut().map(|last| *last = panic.to_string()));
+            if trial.is_none() {
+                other(panic);
+            }
+        }));
+    });
+}
+
 /// Keeps what this thread panics with, instead of printing it.
 pub(crate) struct Panics;
 
 impl Panics {
     pub fn caught() -> Self {
-        static ONCE: Once = Once::new();
-        ONCE.call_once(|| {
-            let other = panic::take_hook();
-            panic::set_hook(Box::new(move |panic| {
-                let trial = LAST.with_borrow_mut(|last| last.as_mut().map(|last| *last = panic.to_string()));
-                if trial.is_none() {
-                    other(panic);
-                }
-            }));
-        });
+        catch_panics();
         LAST.set(Some(String::new()));
         Self
     }
