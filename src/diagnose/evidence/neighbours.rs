@@ -1,12 +1,11 @@
-//! Sets made from other sets: one member less, one member in another of its forms, or fitted again from a part that fits
-//! better.
+//! Sets made from other sets: one member less, one member in another of its forms, or looked at again from a part that
+//! fits better.
 
 use rayon::prelude::*;
 
-use super::latent::Latent;
-use super::posterior::{GLANCE, Start, fit, screen};
+use super::posterior::{GLANCE, LOOK, Start, screen};
 use super::probe;
-use super::search::{BEHIND, Search, Set, evidence, keep};
+use super::search::{BEHIND, Search, Set, best_of_each, evidence, keep};
 use super::unknown::Unknown;
 use super::weights;
 use crate::model::Model;
@@ -48,64 +47,74 @@ fn is_behind(sets: &[Set], set: &Set, place: usize, other: usize) -> bool {
 }
 
 impl Search<'_, '_, '_> {
-    /// Every subset of one less of the likely sets, fitted from the larger one's parameters: a smaller set that stuck
-    /// would make the larger one look better than it is.
+    /// Every subset of one less of the likely sets, from the larger one's parameters: a smaller set that stuck would make the
+    /// larger one look better than it is. Fitted in full where it may be the best.
     pub(super) fn repair(&self, sets: &mut Vec<Set>) {
         for size in (1..=self.most).rev() {
             let weights = weights::of(self.data, sets, self.candidates);
             let likely = (0..sets.len()).filter(|k| sets[*k].size() == size && weights[*k] > LIKELY);
             let wanted: Vec<(usize, usize)> =
                 likely.flat_map(|k| (0..size).map(move |place| (k, place))).collect();
-            let found: Vec<Set> = wanted
+            let looked: Vec<Set> = wanted
                 .par_iter()
                 .filter_map(|(k, place)| self.without(&sets[0], &sets[*k], *place))
                 .collect();
-            found.into_iter().for_each(|set| keep(sets, set));
+            self.finished(looked, sets).into_iter().for_each(|set| keep(sets, set));
         }
     }
 
-    /// Fits those again that fit worse than a set of one member less, from there: what the smaller can the larger can, too.
+    /// Of sets that were `looked` at those that may be the best beside `sets`, fitted in full.
+    fn finished(&self, looked: Vec<Set>, sets: &[Set]) -> Vec<Set> {
+        let mut found = best_of_each(looked.into_iter());
+        self.finish_best(&mut found, sets, true);
+        found.retain(|set| !set.screened);
+        found
+    }
+
+    /// Looks again at those that fit worse than a set of one member less, from there: what the smaller can the larger can, too.
+    /// Those that may be the best then are fitted in full; others stay as they are.
     pub(super) fn nest(&self, sets: &mut [Set]) {
         for size in 1..=self.most {
             let larger = (0..sets.len()).filter(|k| sets[*k].members.len() == size);
             let worse = |k: usize| Some((k, best_within(sets, k)?));
             let wanted: Vec<(usize, usize)> = larger.filter_map(worse).collect();
-            let found: Vec<(usize, Option<Set>)> =
-                wanted.par_iter().map(|(k, j)| (*k, self.again_from(&sets[*j], &sets[*k]))).collect();
-            for (k, set) in found {
-                if let Some(set) = set.filter(|set| peak(set) > peak(&sets[k])) {
-                    sets[k] = set;
+            let again = wanted.par_iter().filter_map(|(k, j)| self.looked_at_from(&sets[*j], &sets[*k]));
+            let looked: Vec<Set> = again.collect();
+            for set in self.finished(looked, sets) {
+                if let Some(known) = sets.iter_mut().find(|known| known.has_just(&set.members))
+                    && peak(&set) > peak(known)
+                {
+                    *known = set;
                 }
             }
         }
     }
 
-    /// The members of `larger` fitted from `smaller`, with what that lacks as it was and with next to nothing of it.
-    fn again_from(&self, smaller: &Set, larger: &Set) -> Option<Set> {
+    /// The members of `larger` looked at from `smaller`, with what that lacks as it was and with next to nothing of it.
+    fn looked_at_from(&self, smaller: &Set, larger: &Set) -> Option<Set> {
         let member = *larger.members.iter().find(|member| !smaller.members.contains(member))?;
         let pairs = larger.posterior.unknowns.iter().zip(&larger.posterior.y);
         let own: Vec<f64> = pairs.filter(|(u, _)| u.owner == Some(member)).map(|(_, y)| *y).collect();
         let first = &self.candidates[member].coordinates[0];
         let (low, high) = first.bounds();
-        let fitted = |fraction: f64| {
+        let looked = |fraction: f64| {
             let mut own = own.clone();
             own[0] = first.times(own[0], fraction).clamp(low, high);
             let (model, unknowns, y) = self.extended(&smaller.posterior, member, &own);
-            let start = Start { model: &model, unknowns: &unknowns, y: &y };
-            fit(self.data, &start, &Latent::default(), None).ok()
+            screen(self.data, &Start { model: &model, unknowns: &unknowns, y: &y }, LOOK).ok()
         };
-        let fits = [1.0, NEXT_TO_NOTHING].into_iter().filter_map(fitted);
-        let posterior = fits.max_by(|a, b| a.log_peak.total_cmp(&b.log_peak))?;
+        let looks = [1.0, NEXT_TO_NOTHING].into_iter().filter_map(looked);
+        let posterior = looks.max_by(|a, b| a.log_peak.total_cmp(&b.log_peak))?;
         let members = smaller.members.iter().copied().chain([member]).collect();
-        Some(Set { members, discrepancy: None, posterior, screened: false })
+        Some(Set { members, discrepancy: None, posterior, screened: true })
     }
 
-    /// `set` without the member in a place, fitted from where it is; `empty` has no member.
+    /// `set` without the member in a place, looked at from where it is; `empty` has no member.
     fn without(&self, empty: &Set, set: &Set, place: usize) -> Option<Set> {
         let (members, model, unknowns, y) = self.replaced(empty, set, place, None);
         let start = Start { model: &model, unknowns: &unknowns, y: &y };
-        let posterior = fit(self.data, &start, &Latent::default(), None).ok()?;
-        Some(Set { members, discrepancy: None, posterior, screened: false })
+        let posterior = screen(self.data, &start, LOOK).ok()?;
+        Some(Set { members, discrepancy: None, posterior, screened: true })
     }
 
     /// Adds the best set of a size in all forms that its members have; where all was `adequate` before its last member,

@@ -149,7 +149,7 @@ impl Search<'_, '_, '_> {
 
     /// Fits those of the ranked `found` in full that may be the best of them and of `sets`, and the one that leaves the smallest
     /// residual. By how much a fit raises the evidence of a look shows how far below its own another look may have ended.
-    fn finish_best(&self, found: &mut [Set], sets: &[Set], adequate: bool) {
+    pub(super) fn finish_best(&self, found: &mut [Set], sets: &[Set], adequate: bool) {
         let best = |found: &[Set]| found.iter().chain(sets).map(evidence).fold(f64::NEG_INFINITY, f64::max);
         let (looked, mut gained) = (best(found), 0.0_f64);
         let closest = self.closest(found.iter().enumerate()).filter(|_| !adequate);
