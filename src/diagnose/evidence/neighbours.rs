@@ -3,9 +3,10 @@
 
 use rayon::prelude::*;
 
-use super::posterior::{GLANCE, LOOK, Start, screen};
+use super::latent::Latent;
+use super::posterior::{GLANCE, LOOK, Start, fit, screen};
 use super::probe;
-use super::search::{BEHIND, Search, Set, best_of_each, evidence, keep};
+use super::search::{BEHIND, Search, Set, evidence, keep, rank};
 use super::unknown::Unknown;
 use super::weights;
 use crate::model::Model;
@@ -47,28 +48,20 @@ fn is_behind(sets: &[Set], set: &Set, place: usize, other: usize) -> bool {
 }
 
 impl Search<'_, '_, '_> {
-    /// Every subset of one less of the likely sets, from the larger one's parameters: a smaller set that stuck would make the
-    /// larger one look better than it is. Fitted in full where it may be the best.
+    /// Every subset of one less of the likely sets, fitted from the larger one's parameters: a smaller set that stuck
+    /// would make the larger one look better than it is.
     pub(super) fn repair(&self, sets: &mut Vec<Set>) {
         for size in (1..=self.most).rev() {
             let weights = weights::of(self.data, sets, self.candidates);
             let likely = (0..sets.len()).filter(|k| sets[*k].size() == size && weights[*k] > LIKELY);
             let wanted: Vec<(usize, usize)> =
                 likely.flat_map(|k| (0..size).map(move |place| (k, place))).collect();
-            let looked: Vec<Set> = wanted
+            let found: Vec<Set> = wanted
                 .par_iter()
                 .filter_map(|(k, place)| self.without(&sets[0], &sets[*k], *place))
                 .collect();
-            self.finished(looked, sets).into_iter().for_each(|set| keep(sets, set));
+            found.into_iter().for_each(|set| keep(sets, set));
         }
-    }
-
-    /// Of sets that were `looked` at those that may be the best beside `sets`, fitted in full.
-    fn finished(&self, looked: Vec<Set>, sets: &[Set]) -> Vec<Set> {
-        let mut found = best_of_each(looked.into_iter());
-        self.finish_best(&mut found, sets, true);
-        found.retain(|set| !set.screened);
-        found
     }
 
     /// Looks again at those that fit worse than a set of one member less, from there: what the smaller can the larger can, too.
@@ -79,8 +72,10 @@ impl Search<'_, '_, '_> {
             let worse = |k: usize| Some((k, best_within(sets, k)?));
             let wanted: Vec<(usize, usize)> = larger.filter_map(worse).collect();
             let again = wanted.par_iter().filter_map(|(k, j)| self.looked_at_from(&sets[*j], &sets[*k]));
-            let looked: Vec<Set> = again.collect();
-            for set in self.finished(looked, sets) {
+            let mut found: Vec<Set> = again.collect();
+            rank(&mut found);
+            self.finish_best(&mut found, sets, true);
+            for set in found.into_iter().filter(|set| !set.screened) {
                 if let Some(known) = sets.iter_mut().find(|known| known.has_just(&set.members))
                     && peak(&set) > peak(known)
                 {
@@ -109,12 +104,12 @@ impl Search<'_, '_, '_> {
         Some(Set { members, discrepancy: None, posterior, screened: true })
     }
 
-    /// `set` without the member in a place, looked at from where it is; `empty` has no member.
+    /// `set` without the member in a place, fitted from where it is; `empty` has no member.
     fn without(&self, empty: &Set, set: &Set, place: usize) -> Option<Set> {
         let (members, model, unknowns, y) = self.replaced(empty, set, place, None);
         let start = Start { model: &model, unknowns: &unknowns, y: &y };
-        let posterior = screen(self.data, &start, LOOK).ok()?;
-        Some(Set { members, discrepancy: None, posterior, screened: true })
+        let posterior = fit(self.data, &start, &Latent::default(), None).ok()?;
+        Some(Set { members, discrepancy: None, posterior, screened: false })
     }
 
     /// Adds the best set of a size in all forms that its members have; where all was `adequate` before its last member,
