@@ -294,6 +294,40 @@ fn where_a_sticking_contact_was_left_is_found_and_a_slipping_one_forgets_it() {
     assert!((found[0] - OFFSET).abs() < 1e-3 * OFFSET, "{found:?}");
 }
 
+/// A contact that slips until it sticks remembers a narrow range of offsets alone, and beyond it no derivative leads back:
+/// wherever it was left, that is found.
+#[test]
+fn wherever_a_contact_was_left_the_response_is_found() {
+    let size = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let apart = |a: &[f64], b: &[f64]| size(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>());
+    let (mut narrow, mut wide) = (0, 0);
+    for asymmetry in [-0.3, 0.02, 0.3] {
+        let model = model(&format!(r#"effect = [{{ id = "asymmetry", asymmetry = {asymmetry} }}]"#));
+        for force in [1.0, 4.0, 8.0, 8.5, 9.0] {
+            let shown = |offset: f64| showing(&model, &[offset], record(force, 45.0));
+            let samples = |record: &Record| -> Vec<f64> {
+                record.channels[2..].iter().flat_map(|channel| channel.values.clone()).collect()
+            };
+            let plateaus = [-1.7e-5, 1.7e-5].map(|offset| samples(&shown(offset)));
+            let change = apart(&plateaus[0], &plateaus[1]);
+            for offset in [-1.4e-5, -6e-6, -2e-6, -5e-7, 5e-7, 2e-6, 6e-6, 1.4e-5] {
+                let record = shown(offset);
+                let measured = samples(&record);
+                let mut found = Vec::new();
+                let mut simulation = ObservedSimulation::new(&model, &record).unwrap();
+                let nuisances = simulation.settle(&model).unwrap();
+                simulation.predict(&model, &nuisances, &mut found).unwrap();
+                let missed = apart(&found, &measured);
+                assert!(missed < 1e-2 * change, "{asymmetry} {force} N {offset}: {missed:e} of {change:e}");
+                let between = plateaus.iter().all(|plateau| apart(plateau, &measured) > 1e-3 * change);
+                narrow += usize::from(between && change < 0.01 * size(&measured));
+                wide += usize::from(between);
+            }
+        }
+    }
+    assert!(narrow > 4 && wide > 20, "{narrow} {wide}");
+}
+
 /// What stands where it was linearised last serves for other directions there, and nowhere else.
 #[test]
 fn derivatives_asked_for_again_are_those_of_a_new_simulation() {
