@@ -12,16 +12,15 @@ use crate::records::record::Fine;
 
 /// Steps of the simulation between samples.
 const STEPS: usize = 32;
-/// The steady state is reached when a period repeats the one before within this fraction of its size ...
-const STEADY: f64 = 3e-6;
+/// The steady state is reached when a period repeats the one before within this fraction of its size: with thirty times as
+/// much, motions passed that went on for thousands of periods and ended elsewhere ...
+const STEADY: f64 = 1e-7;
 /// ... or given up after so many periods.
-const MOST_PERIODS: usize = 1500;
+const MOST_PERIODS: usize = 4000;
 /// A level counts as held within this fraction of it.
 const HELD: f64 = 1e-5;
 /// Exponents by which the force follows the level that is missing: at once, and from period to period.
 const CONTROL: (f64, f64) = (1.5, 0.1);
-/// The resonator's damping ratio, that its own free motion may end.
-const HANGING_DAMPING: f64 = 0.003;
 
 /// The beam in motion.
 pub struct Motion<'a> {
@@ -166,7 +165,7 @@ impl<'a> Motion<'a> {
         acceleration
     }
 
-    /// Force of the resonator on the contact's point, and its acceleration. The point itself is `moved` plus the
+    /// Force of the resonator on the contact's point, and its acceleration; damped as the beam's modes are. The point itself is `moved` plus the
     /// stretch of the beam under the force of the step before.
     fn hanging(&self, moved: f64) -> (f64, f64) {
         let Some((mass, frequency)) = self.beam.hanging else { return (0.0, 0.0) };
@@ -174,7 +173,7 @@ impl<'a> Motion<'a> {
         let point = moved - self.force / self.beam.geometry.axial_stiffness();
         let speed = (self.now[MODES] - self.before[MODES]) / self.step;
         let pull = w * w * (point - self.now[MODES]);
-        (mass * pull, pull - 2.0 * HANGING_DAMPING * w * speed)
+        (mass * pull, pull - 2.0 * self.beam.damping_ratio * w * speed)
     }
 }
 
