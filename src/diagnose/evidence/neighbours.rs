@@ -4,6 +4,7 @@
 use rayon::prelude::*;
 
 use super::latent::Latent;
+use super::looks::moved;
 use super::posterior::{GLANCE, LOOK, Start, fit, screen};
 use super::probe;
 use super::search::{BEHIND, Search, Set, evidence, keep, rank};
@@ -112,8 +113,8 @@ impl Search<'_, '_, '_> {
         Some(Set { members, discrepancy: None, posterior, screened: false })
     }
 
-    /// Adds the best set of a size in all forms that its members have; where all was `adequate` before its last member,
-    /// without those that were far behind without that, if each takes a whole fit.
+    /// Adds the best set of a size in all forms that its members have and that may be the likeliest; where all was `adequate` before
+    /// its last member, without those that were far behind without that, if motions are solved for.
     pub(super) fn in_other_forms(&self, sets: &mut Vec<Set>, size: usize, adequate: bool) {
         let fitted = sets.iter().filter(|set| set.members.len() == size && !set.screened);
         let Some(best) = fitted.max_by(|a, b| evidence(a).total_cmp(&evidence(b))) else { return };
@@ -128,11 +129,18 @@ impl Search<'_, '_, '_> {
         let wanted: Vec<(usize, usize)> =
             best.members.iter().enumerate().flat_map(forms).filter(open).collect();
         let other = |(place, other): &(usize, usize)| self.in_another_form(&sets[0], best, *place, *other);
-        let found: Vec<Set> = wanted.par_iter().filter_map(other).collect();
-        found.into_iter().for_each(|set| keep(sets, set));
+        let mut found: Vec<Set> = wanted.par_iter().filter_map(other).collect();
+        if size == 1 && self.looks.is_some() {
+            // One effect alone is what is likeliest: no form of it is passed over for a look that stuck.
+            found.par_iter_mut().for_each(|set| self.finish(set));
+        } else {
+            rank(&mut found);
+            self.finish_best(&mut found, sets, true);
+        }
+        found.into_iter().filter(|set| !set.screened).for_each(|set| keep(sets, set));
     }
 
-    /// `set` with candidate `other` in the place of a member, from the best of its starts.
+    /// `set` with candidate `other` in the place of a member, looked at from the best of its starts.
     fn in_another_form(&self, empty: &Set, set: &Set, place: usize, other: usize) -> Option<Set> {
         let looked = |y: &Vec<f64>| {
             let (members, model, unknowns, y) = self.replaced(empty, set, place, Some((other, y)));
@@ -146,10 +154,8 @@ impl Search<'_, '_, '_> {
         let mut best = seen.max_by(|a, b| evidence(a).total_cmp(&evidence(b)))?;
         Self::screened(self.looks.unwrap_or(self.data), &mut best);
         // First looks of another kind are not to be compared with a fit.
-        if self.looks.is_some() || evidence(&best) > evidence(set) - BEHIND {
-            self.finish(&mut best);
-        }
-        Some(best).filter(|set| !set.screened)
+        let comparable = self.looks.is_none() || moved(self.data, &mut best);
+        comparable.then_some(best)
     }
 
     /// A hypothesis like `set`, whose member in a place is left out, or replaced by another candidate at coordinates: its
