@@ -73,10 +73,7 @@ impl Search<'_, '_, '_> {
             let worse = |k: usize| Some((k, best_within(sets, k)?));
             let wanted: Vec<(usize, usize)> = larger.filter_map(worse).collect();
             let again = wanted.par_iter().filter_map(|(k, j)| self.looked_at_from(&sets[*j], &sets[*k]));
-            let mut found: Vec<Set> = again.collect();
-            rank(&mut found);
-            self.finish_best(&mut found, sets, true);
-            for set in found.into_iter().filter(|set| !set.screened) {
+            for set in self.likely_of(again.collect(), sets) {
                 if let Some(known) = sets.iter_mut().find(|known| known.has_just(&set.members))
                     && peak(&set) > peak(known)
                 {
@@ -84,6 +81,14 @@ impl Search<'_, '_, '_> {
                 }
             }
         }
+    }
+
+    /// Those of `found` that may be the likeliest of them and of `sets`, fitted in full.
+    fn likely_of(&self, mut found: Vec<Set>, sets: &[Set]) -> Vec<Set> {
+        rank(&mut found);
+        self.finish_best(&mut found, sets, true);
+        found.retain(|set| !set.screened);
+        found
     }
 
     /// The members of `larger` looked at from `smaller`, with what that lacks as it was and with next to nothing of it.
@@ -133,11 +138,11 @@ impl Search<'_, '_, '_> {
         if size == 1 && self.looks.is_some() {
             // One effect alone is what is likeliest: no form of it is passed over for a look that stuck.
             found.par_iter_mut().for_each(|set| self.finish(set));
+            found.retain(|set| !set.screened);
         } else {
-            rank(&mut found);
-            self.finish_best(&mut found, sets, true);
+            found = self.likely_of(found, sets);
         }
-        found.into_iter().filter(|set| !set.screened).for_each(|set| keep(sets, set));
+        found.into_iter().for_each(|set| keep(sets, set));
     }
 
     /// `set` with candidate `other` in the place of a member, looked at from the best of its starts.

@@ -39,7 +39,8 @@ const TOLD: usize = 10;
 /// A trial returns how many executions it made, or what was wrong.
 ///
 /// # Panics
-/// After a fault: a trial that panicked or said so, or memory that grew. A trial that takes two minutes of the processor ends the process.
+/// After a fault: a trial that panicked or said so, or memory that grew. A trial that takes two minutes of the
+/// processor ends the process.
 pub fn fuzz(boundary: &str, mut trial: impl FnMut(&mut Rng) -> Result<u64, String>) {
     let (most, first) = (number("FUZZ_RUNS", FEW), number("FUZZ_SEED", 0));
     let (panics, watchdog) = (Panics::caught(), Watchdog::new(boundary));

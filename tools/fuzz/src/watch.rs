@@ -51,7 +51,7 @@ impl Drop for Panics {
 /// How often it looks.
 const LOOK: Duration = Duration::from_secs(1);
 /// Time of the processor (s) after which a trial has no end. Of eighty calls a few may make the million attempts that a step has
-/// before it is refused, 13 s each for a beam under forces of 1e12 N.
+/// before it is refused, 10 to 13 s each for a beam under a normal load of 1e12 N.
 const ENDLESS: f64 = 120.0;
 
 /// Ends the process, with the seed, where a trial has no end.

@@ -18,10 +18,11 @@ const MOST_OFFSET: f64 = 2.0;
 /// The same displacement where a model has no contact to say it.
 const NO_REACH: f64 = 1e-9;
 
-/// Misfits to the measured motion that differ by less, as a fraction of them, are those of one response: by so little the sum
-/// of squares of a record of 10⁴ samples changes by a tenth, and what a balance leaves unsolved is less.
+/// Misfits to the measured motion that differ by less, as a fraction of them, are those of one response: by so little half
+/// the sum of squares of a record of 10⁴ samples changes by a tenth, and what a balance leaves unsolved is less.
 const SAME_RESPONSE: f64 = 1e-5;
-/// Halvings after which nothing is left between the two ends of the static offsets that would matter: a part in 10³.
+/// Halvings after which nothing is left between the two ends of the static offsets that would matter: a thousandth of an
+/// elastic displacement.
 const HALVINGS: usize = 12;
 
 /// Harmonics in place of one: the error falls to a third and less, while the cost of a solution rises with their cube.
@@ -94,13 +95,9 @@ impl<'r> SteadyBeam<'r> {
     ///
     /// Left beyond some offset the contact slips until it is at that one, which differs between the two directions where it
     /// sticks in the end: the misfit has a plateau on either side, where no derivative leads anywhere, and the best may be
-    /// between them. A contact that slips both ways in every period forgets, and there is one plateau.
-    fn remembered_offset(&mut self, model: &Model, reach: f64) -> f64 {
-        self.between_plateaus(model, reach).unwrap_or(0.0)
-    }
-
-    /// The same; `None` where an offset has no response, or none matters.
-    fn between_plateaus(&mut self, model: &Model, reach: f64) -> Option<f64> {
+    /// between them. `None` where an offset has no response, and where none matters: a contact that slips both ways in every
+    /// period forgets, and there is one plateau. Faults of sensors are left to the descent.
+    fn remembered_offset(&mut self, model: &Model, reach: f64) -> Option<f64> {
         let same = |a: f64, b: f64| (a - b).abs() <= SAME_RESPONSE * a;
         let (mut low, mut high) = (-reach, reach);
         let [below, above] = [self.misfit(model, low)?, self.misfit(model, high)?];
@@ -123,12 +120,11 @@ impl<'r> SteadyBeam<'r> {
 
     /// How far what is predicted with a static offset (m) is from what was measured; `None` without a response.
     fn misfit(&mut self, model: &Model, offset: f64) -> Option<f64> {
-        let mut predictions = Vec::new();
-        self.predict(model, &[offset], &mut predictions).ok()?;
-        match &self.solver {
-            Solver::Balance(steady) => Some(steady.measured.distance(&predictions)),
-            Solver::Linearised(_) => None,
-        }
+        let assembly = self.assembly(model, &[offset]).ok()?;
+        let Solver::Balance(steady) = &mut self.solver else { return None };
+        let (at, mut predictions) = (At { model, nuisances: &[offset], assembly: &assembly }, Vec::new());
+        steady.predict(&at, &mut predictions).ok()?;
+        Some(steady.measured.distance(&predictions))
     }
 
     fn assembly(&self, model: &Model, nuisances: &[f64]) -> Result<Assembly, String> {
@@ -163,7 +159,7 @@ impl Simulation for SteadyBeam<'_> {
             .map(|contact| contact.friction_coefficient * contact.normal_load / contact.tangential_stiffness);
         let reach = elastic.filter(|reach| reach.is_finite() && *reach > 0.0).unwrap_or(NO_REACH);
         let (lower, upper) = (-MOST_OFFSET * reach, MOST_OFFSET * reach);
-        let start = self.remembered_offset(model, upper);
+        let start = self.remembered_offset(model, upper).unwrap_or(0.0);
         Ok(vec![Parameter { start, lower, upper, scale: Scale::Linear }])
     }
 

@@ -13,7 +13,7 @@ use crate::records::record::Fine;
 /// Steps of the simulation between samples.
 const STEPS: usize = 32;
 /// The steady state is reached when a period repeats the one before within this fraction of its size: with thirty times as
-/// much, motions passed that went on for thousands of periods and ended elsewhere ...
+/// much, a motion passed that does not settle in ten thousand periods ...
 const STEADY: f64 = 1e-7;
 /// ... or given up after so many periods.
 const MOST_PERIODS: usize = 4000;
@@ -165,8 +165,8 @@ impl<'a> Motion<'a> {
         acceleration
     }
 
-    /// Force of the resonator on the contact's point, and its acceleration; damped as the beam's modes are. The point itself is `moved` plus the
-    /// stretch of the beam under the force of the step before.
+    /// Force of the resonator on the contact's point, and its acceleration; damped as the beam's modes are. The point
+    /// itself is `moved` plus the stretch of the beam under the force of the step before.
     fn hanging(&self, moved: f64) -> (f64, f64) {
         let Some((mass, frequency)) = self.beam.hanging else { return (0.0, 0.0) };
         let w = TAU * frequency;
