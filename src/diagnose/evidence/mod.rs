@@ -7,12 +7,13 @@
 //! is its minimum with the volume around it, `probe` what amounts of each candidate would change to first order. `search`
 //! grows sets from none by first `looks` and whole fits, and `neighbours` makes sure of the likely ones; `weights` makes
 //! probabilities of their evidence, `limits` tells what could not have been seen. Of the base and of the decided one
-//! `agreement` looks for a better minimum, and `refined` takes off the error of the steps in time and of harmonics that
-//! are left out.
+//! `agreement` looks for a better minimum, `refined` takes off the error of the steps in time and of harmonics that are
+//! left out, and `driven` widens the intervals by what the noise of the inputs did.
 
 mod agreement;
 mod autoregression;
 mod discrepancy;
+mod driven;
 mod joint;
 mod latent;
 mod limits;
@@ -67,8 +68,8 @@ pub(super) struct Weighed {
 }
 
 impl Weighed {
-    /// Makes sure of the parameters of the set that was `decided` for: no better fit lies near, and the error of predictions is
-    /// no part of them. Only of what is told, after the decision: all sets were compared by the same predictions.
+    /// Makes sure of the parameters of the set that was `decided` for: no better fit lies near, the error of predictions is
+    /// no part of them, and their intervals allow for what drove the model with noise. Only of what is told, after the decision: all sets were compared by the same predictions.
     pub fn assure(&mut self, decided: usize, data: &Measured) {
         let posterior = &mut self.sets[decided].posterior;
         if data.bench.interrupted() {
@@ -77,6 +78,9 @@ impl Weighed {
         (*posterior, self.agreement) = agreement::agreement(data, posterior);
         if let Ok(refined) = refined::refined(data, posterior) {
             *posterior = refined;
+        }
+        if let Ok(widened) = driven::widened(data, posterior) {
+            *posterior = widened;
         }
     }
 

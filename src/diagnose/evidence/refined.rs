@@ -99,20 +99,11 @@ mod tests {
     use super::*;
     use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::Assumptions;
+    use crate::diagnose::evidence::samples::{from_rest, oscillator};
     use crate::diagnose::evidence::{again, first};
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
     use crate::fit::predict::ObservedSimulation;
     use crate::model::Model;
-
-    fn model(stiffness: f64, friction: f64) -> Model {
-        Model::parse(&format!(
-            "schema = \"stickslip.model/1\"\nkind = \"oscillator\"\n[[mass]]\nname = \"m1\"\nmass = 1.0\n\
-             [[spring]]\nbetween = [\"ground\", \"m1\"]\nstiffness = 4e3\ndamping = 1.0\n[contact]\nat = \"m1\"\n\
-             law = \"jenkins\"\ntangential_stiffness = {stiffness}\nfriction_coefficient = {friction}\n\
-             normal_load = 10.0\n"
-        ))
-        .unwrap()
-    }
 
     fn beam(stiffness: f64, friction: f64) -> Model {
         Model::parse(&format!(
@@ -126,16 +117,6 @@ mod tests {
 
     fn channel(name: &str, unit: &'static str, values: Vec<f64>) -> Channel {
         Channel { name: name.into(), unit, values, noise: None }
-    }
-
-    /// From rest under a sine, which the contact slips at.
-    fn from_rest() -> Record {
-        let channels = vec![
-            channel("time", "s", (0..800).map(|i| f64::from(i) * 2e-3).collect()),
-            channel("excitation:m1", "N", (0..800).map(|i| 8.0 * (0.13 * f64::from(i)).sin()).collect()),
-            channel("displacement:m1", "m", vec![0.0; 800]),
-        ];
-        Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels }
     }
 
     /// In a steady state under a cosine of `amplitude` (N) at `frequency` (Hz).
@@ -182,9 +163,9 @@ mod tests {
     #[test]
     fn parameters_are_freed_of_the_error_of_the_steps() {
         for (stiffness, friction) in [(2e3, 0.3), (5e3, 0.4), (1e3, 0.2)] {
-            let truth = model(stiffness, friction);
-            let given = model(1.1 * stiffness, 0.95 * friction);
-            let [before, after] = errors(&truth, &given, vec![measured(&truth, from_rest())]);
+            let truth = oscillator(stiffness, friction);
+            let given = oscillator(1.1 * stiffness, 0.95 * friction);
+            let [before, after] = errors(&truth, &given, vec![measured(&truth, from_rest(8.0))]);
             assert!(before > 1e-6 && after < 0.3 * before, "{before} {after}");
         }
     }

@@ -39,3 +39,25 @@ pub(super) fn steady(truth: &Model) -> Dataset {
     };
     Dataset { title: None, records: [1.0, 6.0, 15.0].map(&mut record).to_vec() }
 }
+
+/// A mass on a spring and a contact.
+pub(super) fn oscillator(stiffness: f64, friction: f64) -> Model {
+    Model::parse(&format!(
+        "schema = \"stickslip.model/1\"\nkind = \"oscillator\"\n[[mass]]\nname = \"m1\"\nmass = 1.0\n\
+         [[spring]]\nbetween = [\"ground\", \"m1\"]\nstiffness = 4e3\ndamping = 1.0\n[contact]\nat = \"m1\"\n\
+         law = \"jenkins\"\ntangential_stiffness = {stiffness}\nfriction_coefficient = {friction}\n\
+         normal_load = 10.0\n"
+    ))
+    .unwrap()
+}
+
+/// It is excited from rest by a sine of so many newtons, which the contact slips at; its motion is not measured yet.
+pub(super) fn from_rest(amplitude: f64) -> Record {
+    let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+    let channels = vec![
+        channel("time", "s", (0..800).map(|i| f64::from(i) * 2e-3).collect()),
+        channel("excitation:m1", "N", (0..800).map(|i| amplitude * (0.13 * f64::from(i)).sin()).collect()),
+        channel("displacement:m1", "m", vec![0.0; 800]),
+    ];
+    Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels }
+}

@@ -1,8 +1,10 @@
 //! One record of a joint fit: its simulation, its own unknowns, and what it told last.
 
+use super::joint::minus;
 use super::unknown::Coordinate;
+use crate::data::Record;
 use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
-use crate::fit::predict::{Direction, ObservedSimulation};
+use crate::fit::predict::{Direction, ObservedSimulation, Seed};
 use crate::model::Model;
 
 /// The simulation of a record with what it told last.
@@ -92,6 +94,22 @@ impl<'d> Slot<'d> {
         predicted?;
         fine.iter_mut().zip(&self.linearised).for_each(|(fine, coarse)| *fine -= coarse);
         Ok(fine)
+    }
+
+    /// What changes of the predictions at the point `y` that was linearised where `record` drives the model; `seed` is where
+    /// simulations start that solve for its motion and have no solution yet.
+    pub fn driven_by(
+        &self,
+        model: &Model,
+        record: &Record,
+        seed: Option<&Seed>,
+        y: &[f64],
+    ) -> Result<Vec<f64>, String> {
+        let own = self.shown.solution().cloned().map(Seed::Near);
+        let mut shown = ObservedSimulation::near(model, record, own.as_ref().or(seed))?;
+        let mut driven = Vec::new();
+        shown.predict(model, &self.own_values(y), &mut driven)?;
+        Ok(minus(&driven, &self.linearised))
     }
 
     /// What each of `probes` changes about the predictions at `model` and the unknowns `y`; `None` for those that cannot be

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::weighted_dataset::{RecordResiduals, WeightedDataset};
-use crate::data::Channel;
+use crate::data::{Channel, Record};
 use crate::fit::predict::{ObservedSimulation, compared, white_noise};
 use crate::model::Model;
 use crate::numeric::random::Random;
@@ -19,18 +19,26 @@ pub(in crate::diagnose) fn through(model: &Model, bench: &WeightedDataset) -> Ve
         .collect()
 }
 
-fn one(model: &Model, lane: &RecordResiduals, index: usize) -> Result<Vec<f64>, String> {
-    let record = lane.record;
+/// `record` with as much noise again in what drives `model`, other noise with another `seed`; `None` where it has none.
+pub(in crate::diagnose) fn shaken(model: &Model, record: &Record, seed: u64) -> Option<Record> {
     let names: Vec<&str> = compared(model, record).iter().map(|channel| channel.name.as_str()).collect();
     let mut shaken = record.clone();
-    let mut random = Random::new(index as u64);
+    let mut random = Random::new(seed);
+    let mut any = false;
     for channel in &mut shaken.channels {
         let driving = !names.contains(&channel.name.as_str()) && channel.name != "time";
         let noise = if driving { input_noise(channel) } else { 0.0 };
         if noise > 0.0 {
+            any = true;
             channel.values.iter_mut().for_each(|value| *value += noise * random.normal());
         }
     }
+    any.then_some(shaken)
+}
+
+fn one(model: &Model, lane: &RecordResiduals, index: usize) -> Result<Vec<f64>, String> {
+    let record = lane.record;
+    let Some(shaken) = shaken(model, record, index as u64) else { return Ok(Vec::new()) };
     let mut values = [Vec::new(), Vec::new()];
     for (record, values) in [record, &shaken].into_iter().zip(&mut values) {
         let mut shown = ObservedSimulation::near(model, record, lane.seed.as_ref())?;

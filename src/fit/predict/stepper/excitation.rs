@@ -1,46 +1,72 @@
 //! What excites a structure, from the columns of a record.
 
 use crate::data::{Record, Regime};
+use crate::fit::predict::motion::Motion;
 use crate::numeric::band_limited::band_limited;
 use crate::numeric::common_periods;
 use crate::time::Ramp;
 
-/// Values between two samples of a force on a beam: parabolas through them follow it up to half the sampling rate.
-const FINER: usize = 4;
-
-/// A force between its samples.
-#[derive(Debug, Clone)]
-pub(in crate::fit::predict) struct Between {
-    values: Vec<f64>,
-    bows: Vec<f64>,
-}
-
-impl Between {
-    /// Of evenly spaced samples that determine it.
-    fn of(samples: &[f64]) -> Option<Self> {
-        let values = band_limited(samples, FINER)?;
-        Some(Self { bows: bows(&values, false), values })
-    }
-
-    /// The force over the parts of the interval after sample `index`, in order.
-    pub fn parts(&self, index: usize) -> impl Iterator<Item = Ramp> {
-        let first = index * FINER;
-        let ramp =
-            move |at: usize| Ramp { bow: self.bows[at], ..Ramp::line(self.values[at], self.values[at + 1]) };
-        (first..(first + FINER).min(self.values.len() - 1)).map(ramp)
-    }
-}
+/// Values from one sample to the next that a cubic goes through.
+const FINER: usize = 3;
+/// Samples beside a period on either side at least that its course between samples is made of.
+const BESIDE: usize = 16;
 
 /// A measured force.
 #[derive(Debug, Clone)]
 pub(in crate::fit::predict) struct ExcitationForce {
     /// Place of the mass, or of the one exciter of a beam.
     pub at: usize,
-    /// At the samples (N).
-    pub values: Vec<f64>,
-    /// Bow from each sample to the next, as [`crate::time::Ramp::bow`]: what shakers do between two samples is
-    /// smooth, and a straight line would be too small by `(ωh)²/12`. Empty for straight lines.
-    pub bows: Vec<f64>,
+    /// From each sample to the next (N), after the last to the first where the record is periodic.
+    pub ramps: Vec<Ramp>,
+}
+
+impl ExcitationForce {
+    /// Of `values` (N) at samples: a cubic as smooth as the samples say where they are `even` and determine it, else straight
+    /// lines. A line would be too small by `(ωh)²/12` on average.
+    fn new(at: usize, values: &[f64], periodic: bool, even: bool) -> Self {
+        let fine = match periodic {
+            _ if !even => None,
+            true => within_periods(values, |values| band_limited(values, FINER), FINER),
+            false => band_limited(values, FINER),
+        };
+        let count = values.len();
+        let line = |index: usize| Ramp::line(values[index], values[(index + 1) % count]);
+        let ramps = match fine {
+            Some(fine) => fine.windows(FINER + 1).step_by(FINER).map(through_thirds).collect(),
+            None => (0..if periodic { count } else { count - 1 }).map(line).collect(),
+        };
+        Self { at, ramps }
+    }
+
+    /// From sample `from` to sample `to`, the next or the same (N).
+    pub fn ramp(&self, from: usize, to: usize) -> Ramp {
+        match self.ramps.get(from) {
+            Some(ramp) if from != to => *ramp,
+            Some(ramp) => Ramp::held(ramp.start),
+            None => Ramp::held(self.ramps.last().map_or(0.0, |last| last.end)),
+        }
+    }
+}
+
+/// The cubic through values at the start, the thirds and the end of a step.
+fn through_thirds(values: &[f64]) -> Ramp {
+    let line = Ramp::line(values[0], values[FINER]);
+    let [one, two] = [1, 2].map(|part| values[part] - line.at(part as f64 / FINER as f64));
+    Ramp { bow: 2.25 * (one + two), skew: 6.75 * (two - one), ..line }
+}
+
+/// What `made` makes of periodic `values`, `finer` times as many over a period and the first once more: of so many periods that
+/// their ends do not matter.
+fn within_periods(
+    values: &[f64],
+    made: impl Fn(&[f64]) -> Option<Vec<f64>>,
+    finer: usize,
+) -> Option<Vec<f64>> {
+    let count = values.len();
+    let before = BESIDE.div_ceil(count.max(1));
+    let made = made(&values.repeat(2 * before + 1))?;
+    let first = before * count * finer;
+    made.get(first..=first + count * finer).map(<[f64]>::to_vec)
 }
 
 /// Forces and normal load at the samples: of one period where the record is steady.
@@ -53,21 +79,22 @@ pub(in crate::fit::predict) struct Excitation {
     /// Whether the first sample follows the last.
     pub periodic: bool,
     pub forces: Vec<ExcitationForce>,
-    /// The first of the forces between the samples, where these determine it.
-    pub between: Option<Between>,
-    /// Measured normal load (N).
+    /// Measured normal load (N), its noise reduced: a contact that gives way whenever the load dips follows the dips of noise, too.
     pub load: Option<Vec<f64>>,
 }
 
 impl Excitation {
-    /// Of a record of a beam: as smooth between samples as these say, else on straight lines.
+    /// Of a record of a beam.
     pub fn of_beam(record: &Record) -> Result<Self, String> {
         let time = record.time().ok_or("there is no `time` column")?.to_vec();
-        let values = record.channel("excitation").ok_or("there is no `excitation` column")?.values.clone();
-        let between = record.sample_step().and_then(|_| Between::of(&values));
-        let force = ExcitationForce { at: 0, values, bows: Vec::new() };
-        let load = record.channel("normal_load").map(|channel| channel.values.clone());
-        Ok(Self { time, samples: record.len(), periodic: false, forces: vec![force], between, load })
+        let values = &record.channel("excitation").ok_or("there is no `excitation` column")?.values;
+        let step = record.sample_step();
+        let force = ExcitationForce::new(0, values, false, step.is_some());
+        let load = record.channel("normal_load").map(|channel| match step {
+            Some(step) => Motion::even(&channel.values, step).values,
+            None => channel.values.clone(),
+        });
+        Ok(Self { time, samples: record.len(), periodic: false, forces: vec![force], load })
     }
 
     /// Of a record whose excitations act on the masses called `names`.
@@ -89,11 +116,15 @@ impl Excitation {
             forces.iter_mut().for_each(|(_, values)| average(values, samples));
             load.iter_mut().for_each(|values| average(values, samples));
         }
-        let forces = forces
-            .into_iter()
-            .map(|(at, values)| ExcitationForce { at, bows: bows(&values, periodic), values })
-            .collect();
-        Ok(Self { time: vec![0.0, step], samples, periodic, forces, between: None, load })
+        let force = |(at, values): &(usize, Vec<f64>)| ExcitationForce::new(*at, values, periodic, true);
+        let smooth = |values: &[f64]| Motion::even(values, step).values;
+        let mut load = load.map(|values| match periodic {
+            true => within_periods(&values, |values| Some(smooth(values)), 1).unwrap_or(values),
+            false => smooth(&values),
+        });
+        load.iter_mut().for_each(|values| values.truncate(samples));
+        let forces = forces.iter().map(force).collect();
+        Ok(Self { time: vec![0.0, step], samples, periodic, forces, load })
     }
 
     /// Time from sample `index` to the next (s).
@@ -137,42 +168,70 @@ fn average(values: &mut Vec<f64>, samples: usize) {
     values.truncate(samples);
 }
 
-/// Bows by the mean second difference at the two ends of each interval.
-fn bows(values: &[f64], periodic: bool) -> Vec<f64> {
-    let count = values.len();
-    let at = |index: usize, ahead: usize| match index + ahead {
-        next if next < count => values[next],
-        next if periodic => values[next % count],
-        _ => values[count - 1],
-    };
-    (0..count)
-        .map(|index| {
-            let before = match index {
-                0 if periodic => values[count - 1],
-                0 => values[0],
-                _ => values[index - 1],
-            };
-            if !periodic && (index == 0 || index + 2 >= count) {
-                return 0.0;
-            }
-            0.25 * (at(index, 0) + at(index, 1) - before - at(index, 2))
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
+    use crate::data::Channel;
+
+    /// Distance of a tone's force from the tone, ten places from each sample to the next but for ends that are not periodic.
+    fn distance(speed: f64, count: usize, periodic: bool) -> f64 {
+        let wave = |place: f64| (speed * place + 0.3).sin() + 0.5;
+        let values: Vec<f64> = (0..count).map(|k| wave(k as f64)).collect();
+        let force = ExcitationForce::new(0, &values, periodic, true);
+        assert_eq!(force.ramps.len(), if periodic { count } else { count - 1 });
+        let margin = if periodic { 0 } else { 12 };
+        let off = |k: usize| {
+            let ramp = force.ramp(k, k + 1);
+            (0..10).map(move |i| (ramp.at(0.1 * f64::from(i)) - wave(k as f64 + 0.1 * f64::from(i))).abs())
+        };
+        (margin..force.ramps.len() - margin).flat_map(off).fold(0.0, f64::max)
+    }
 
     #[test]
-    fn bows_follow_a_parabola_exactly() {
-        let values: Vec<f64> = (0..10).map(|i| 3.0 - 2.0 * f64::from(i) + 0.5 * f64::from(i * i)).collect();
-        let bows = bows(&values, false);
-        for index in 1..8 {
-            let s = 0.3;
-            let found = values[index] + (values[index + 1] - values[index]) * s + bows[index] * s * (1.0 - s);
-            let t = index as f64 + s;
-            assert!((found - (3.0 - 2.0 * t + 0.5 * t * t)).abs() < 1e-12);
+    fn a_tone_runs_between_its_samples_as_it_is() {
+        // Lines would be off by `speed²/8`.
+        for speed in [0.1, 0.4, 0.8] {
+            let found = distance(speed, 300, false);
+            assert!(found < 2e-4 + 6e-4 * speed.powi(4), "{speed}: {found:e}");
         }
+        for count in [5, 9, 40] {
+            let speed = TAU / count as f64;
+            let found = distance(speed, count, true);
+            assert!(found < 2e-4 + 6e-4 * speed.powi(4), "{count}: {found:e}");
+        }
+    }
+
+    #[test]
+    fn a_load_loses_most_of_its_noise_and_none_of_its_course() {
+        const SAMPLES: usize = 1600;
+        let mut random = crate::numeric::random::Random::new(3);
+        let load: Vec<f64> = (0..SAMPLES).map(|k| 30.0 + 10.0 * (TAU * k as f64 / 400.0).sin()).collect();
+        let noisy: Vec<f64> = load.iter().map(|load| load + 0.3 * random.normal()).collect();
+        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+        let record = |excitation, regime| {
+            let time = (0..SAMPLES).map(|k| 1e-3 * k as f64).collect();
+            let force = (0..SAMPLES).map(|k| (TAU * k as f64 / 100.0).cos()).collect();
+            let load = channel("normal_load", "N", Vec::clone(&noisy));
+            let channels = vec![channel("time", "s", time), channel(excitation, "N", force), load];
+            Record { name: "r".into(), regime, use_for: None, channels }
+        };
+        let masses = [Regime::FromRest, Regime::Steady]
+            .map(|regime| Excitation::of_masses(&record("excitation:m1", regime), &["m1"]).unwrap());
+        let beam = Excitation::of_beam(&record("excitation", Regime::FromRest)).unwrap();
+        for Excitation { load: found, samples, periodic, .. } in masses.into_iter().chain([beam]) {
+            let found = found.unwrap();
+            let off = found.iter().zip(&load).take(samples).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+            assert!((off / samples as f64).sqrt() < 0.1, "{periodic} {samples}: {off}");
+        }
+    }
+
+    #[test]
+    fn what_jumps_runs_on_straight_lines() {
+        let values: Vec<f64> = (0..60).map(|k| if k < 30 { -1.0 } else { 1.0 }).collect();
+        let force = ExcitationForce::new(0, &values, false, true);
+        assert!(force.ramps.iter().all(|ramp| ramp.bow == 0.0 && ramp.skew == 0.0));
+        assert_eq!([force.ramp(29, 30), force.ramp(59, 59)], [Ramp::line(-1.0, 1.0), Ramp::held(1.0)]);
     }
 }

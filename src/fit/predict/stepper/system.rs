@@ -1,7 +1,7 @@
 //! A structure excited as measured: a system whose ports are driven and read.
 
 use super::Stepper;
-use super::excitation::{Between, Excitation, mass_of};
+use super::excitation::{Excitation, mass_of};
 use crate::contact::JointChanges;
 use crate::data::{Channel, Record};
 use crate::fit::predict::channels::{derivative_order, position};
@@ -17,9 +17,8 @@ const MOST_STEPS: usize = 64;
 
 /// What excites a structure through one record, and what is observed of it.
 ///
-/// Forces on an oscillator act on the masses that the columns `excitation:…` name, smooth between samples, which set its
-/// steps: a fit repeats them a thousand times. The force on a beam runs between samples as its band says, and the beam's steps
-/// are its own. A measured `normal_load` counts as far as the model's effects let it.
+/// Forces run between samples as their band says. Those on an oscillator act on the masses that the columns `excitation:…`
+/// name, and the samples set its steps: a fit repeats them a thousand times. A beam's steps are its own. A measured `normal_load` counts as far as the model's effects let it.
 #[derive(Debug, Clone)]
 pub(in crate::fit::predict) struct ExcitedSystem {
     pub excitation: Excitation,
@@ -76,17 +75,7 @@ impl ExcitedSystem {
         self.act(load, 0, 0, &mut inputs);
         let beginning = integrator.rest(&inputs).map_err(|error| error.to_string())?;
         let motion = beginning.clone();
-        Ok(SystemStepper {
-            excited: self,
-            integrator,
-            steps,
-            load,
-            inputs,
-            whole: Vec::new(),
-            beginning,
-            motion,
-            up: false,
-        })
+        Ok(SystemStepper { excited: self, integrator, steps, load, inputs, beginning, motion, up: false })
     }
 
     fn system(&self, model: &Model) -> Result<System, String> {
@@ -114,8 +103,7 @@ impl ExcitedSystem {
     fn act(&self, load: Option<(JointChanges, f64)>, from: usize, to: usize, inputs: &mut [Ramp]) {
         let Excitation { forces, load: measured, .. } = &self.excitation;
         for (input, force) in inputs.iter_mut().zip(forces) {
-            let bow = if from == to { 0.0 } else { force.bows.get(from).copied().unwrap_or(0.0) };
-            *input = Ramp { start: force.values[from], end: force.values[to], bow, skew: 0.0 };
+            *input = force.ramp(from, to);
         }
         if let Some((joint, constant)) = load {
             let load = |index: usize| joint.normal_load(constant, measured.as_ref().map(|load| load[index]));
@@ -132,8 +120,6 @@ pub(in crate::fit::predict) struct SystemStepper<'e> {
     /// What is changed in the contact, and its constant normal load (N).
     load: Option<(JointChanges, f64)>,
     inputs: Vec<Ramp>,
-    /// The same from one sample to the next, while these are parts of it.
-    whole: Vec<Ramp>,
     beginning: Motion,
     motion: Motion,
     /// Whether the integrator has taken the motion up.
@@ -177,35 +163,6 @@ impl SystemStepper<'_> {
         self.integrator.settle(&mut self.motion, &self.inputs).map_err(|error| error.to_string())
     }
 
-    /// Advances under the inputs as they are.
-    fn advance_by(&mut self, step: f64, settings: &Settings) -> Result<(), String> {
-        let advanced = self.integrator.advance(&mut self.motion, step, &self.inputs, settings);
-        advanced.map(drop).map_err(|error| error.to_string())
-    }
-
-    /// Advances from sample `index` to the next, `step` (s) later, as the force runs `between` them.
-    fn follow(
-        &mut self,
-        between: &Between,
-        index: usize,
-        step: f64,
-        settings: &Settings,
-    ) -> Result<(), String> {
-        let mut whole = std::mem::take(&mut self.whole);
-        whole.clone_from(&self.inputs);
-        let parts = between.parts(index).count();
-        for (part, force) in between.parts(index).enumerate() {
-            let at = |part: usize, ramp: &Ramp| ramp.at(part as f64 / parts as f64);
-            for (input, ramp) in self.inputs.iter_mut().zip(&whole) {
-                *input = Ramp::line(at(part, ramp), at(part + 1, ramp));
-            }
-            self.inputs[0] = force;
-            self.advance_by(step / parts as f64, settings)?;
-        }
-        self.whole = whole;
-        Ok(())
-    }
-
     /// Has the integrator take the motion up at sample `index`.
     fn take_up(&mut self, index: usize) -> Result<(), String> {
         if self.up {
@@ -238,10 +195,8 @@ impl Stepper for SystemStepper<'_> {
             Steps::Controlled(settings) => {
                 self.excited.act(self.load, index, to, &mut self.inputs);
                 self.up = true;
-                match &excitation.between {
-                    Some(between) if to > index => self.follow(between, index, step, &settings),
-                    _ => self.advance_by(step, &settings),
-                }
+                let advanced = self.integrator.advance(&mut self.motion, step, &self.inputs, &settings);
+                advanced.map(drop).map_err(|error| error.to_string())
             }
             Steps::Equal(count) => {
                 self.take_up(index)?;
