@@ -161,7 +161,7 @@ fn diagnosis(
     let test = Measured::new(&bench, &parts.test, &measured, &through);
     let all = Measured::new(&bench, &parts.all(), &measured, &through);
     let decision = Decision::of(&context, &weighed).confirmed(&context, &weighed, &test, &all);
-    weighed.assure(decision.best, &data);
+    let narrow = weighed.assure(decision.best, &data);
     if !bench.interrupted() {
         progress.tell("the parameters told, from other starts and in finer steps");
     }
@@ -172,7 +172,7 @@ fn diagnosis(
         verdict::of(&context, &weighed, decision, [&test, &all], (baseline, measured, untried));
     let reasons = &mut diagnosis.reasons;
     reasons.extend(split::copies(dataset));
-    reasons.extend(lost);
+    reasons.extend(lost.into_iter().chain(narrow));
     if let Some(only) = &options.effects {
         let only = only.join(", ");
         reasons.push(format!("only {only} was tried: the result says nothing of the other effects"));
@@ -333,24 +333,29 @@ fn added(
     let progress = Progress { watch, done: AtomicUsize::new(0), of: AtomicUsize::new(2) };
     let measured = noise_of(model, dataset);
     let mut bench = bench;
-    let Base { whole: base, lost, through, .. } = base(&mut bench, model, &fit, &measured)?;
+    let Base { whole: mut base, lost, through, .. } = base(&mut bench, model, &fit, &measured)?;
     progress.tell("refitted");
     let forms = Candidate::forms(effect, location.as_ref(), model);
     let training = Fitted { records: &fit, noise: &measured, through: &through };
     let with = asked(&bench, model, &training, &scales, watch.interrupt, |question| {
         evidence::added(question, &base, &forms)
     });
-    let with = with.map_err(|reason| unpredictable(&bench, model, reason))?;
+    let mut with = with.map_err(|reason| unpredictable(&bench, model, reason))?;
+    let narrow = [&mut base, &mut with]
+        .map(|of| evidence::widen(&training.of(&bench), of).err().filter(|_| !bench.interrupted()));
     progress.tell(effect.id);
     let mut stages = vec![before];
     stages.push(stage("refitted", &base, model, dataset, &bench));
-    stages[1].notes.extend(lost);
+    let [of_base, of_with] = narrow;
+    stages[1].notes.extend(lost.into_iter().chain(of_base));
     let law = |model: &Model| model.contact.map(|contact| contact.law.kind);
     let name = match law(&with.model) {
         Some(other) if law(model) != Some(other) => format!("{} (law {})", effect.id, other.name),
         _ => effect.id.to_owned(),
     };
-    stages.push(stage(&name, &with, &base.model, dataset, &bench));
+    let mut last = stage(&name, &with, &base.model, dataset, &bench);
+    last.notes.extend(of_with);
+    stages.push(last);
     Ok(Added { model: with.model.with_new_free(model), stages })
 }
 

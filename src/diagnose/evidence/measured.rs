@@ -169,8 +169,12 @@ impl<'a, 'd> Measured<'a, 'd> {
 
     /// The same of a change of predictions.
     pub fn largest(&self, change: &[Vec<f64>]) -> f64 {
-        let of = |k: usize| (self.square(k, &change[k]) / self.channels[k].len().max(1) as f64).sqrt();
-        (0..change.len()).map(of).fold(0.0, f64::max)
+        (0..change.len()).map(|k| self.size_of(k, &change[k])).fold(0.0, f64::max)
+    }
+
+    /// The size of a change of the predictions of record `k`.
+    pub fn size_of(&self, k: usize, change: &[f64]) -> f64 {
+        (self.square(k, change) / self.channels[k].len().max(1) as f64).sqrt()
     }
 
     /// Sum over the channels of record `k` of the mean square of `change`, as a fraction of the channel's.

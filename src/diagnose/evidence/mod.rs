@@ -33,6 +33,7 @@ mod weights;
 
 pub(super) use agreement::freed;
 pub(super) use discrepancy::Discrepancy;
+pub(super) use driven::widen;
 pub(super) use limits::{Sensitivities, around};
 pub(super) use measured::Measured;
 pub(super) use posterior::{Posterior, Solutions};
@@ -69,19 +70,27 @@ pub(super) struct Weighed {
 
 impl Weighed {
     /// Makes sure of the parameters of the set that was `decided` for: no better fit lies near, the error of predictions is
-    /// no part of them, and their intervals allow for what drove the model with noise. Only of what is told, after the decision: all sets were compared by the same predictions.
-    pub fn assure(&mut self, decided: usize, data: &Measured) {
+    /// no part of them, and their intervals allow for the noise that drove the model; why not, if they do not. Only of what is
+    /// told, after the decision: all sets were compared by the same predictions.
+    pub fn assure(&mut self, decided: usize, data: &Measured) -> Option<String> {
         let posterior = &mut self.sets[decided].posterior;
         if data.bench.interrupted() {
-            return;
+            return None;
         }
         (*posterior, self.agreement) = agreement::agreement(data, posterior);
         if let Ok(refined) = refined::refined(data, posterior) {
             *posterior = refined;
         }
-        if let Ok(widened) = driven::widened(data, posterior) {
-            *posterior = widened;
-        }
+        let lost = driven::widen(data, posterior).err();
+        lost.filter(|_| !data.bench.interrupted())
+    }
+
+    /// Whether all members of set `k` have a size when their intervals allow for the noise that drove the model.
+    pub fn is_determined(&self, k: usize, data: &Measured) -> bool {
+        let Set { posterior, members, .. } = &self.sets[k];
+        let determined = |of: &Posterior| members.iter().all(|member| of.determines(*member));
+        let mut widened = posterior.clone();
+        determined(posterior) && (driven::widen(data, &mut widened).is_err() || determined(&widened))
     }
 
     /// Tells the model without effects as `fitted`, where that leaves less: a residual that is no noise draws a fit that
@@ -90,6 +99,7 @@ impl Weighed {
         let known = &mut self.sets[0].posterior;
         if data.left(&fitted.predictions) < data.left(&known.predictions) {
             *known = fitted;
+            let _ = driven::widen(data, known);
         }
     }
 }

@@ -36,7 +36,7 @@ const INTERVAL: f64 = 1.96;
 /// Posterior over prior deviation above which the data say nothing of a number.
 const UNDETERMINED: f64 = 0.95;
 /// The same above which nothing in the data depends on it.
-const UNSEEN: f64 = 0.999_999;
+pub(super) const UNSEEN: f64 = 0.999_999;
 
 impl Posterior {
     /// Whether the size of what candidate `owner` brought is told apart from none, and lies where physics bounds it if

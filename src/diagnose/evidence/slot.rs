@@ -96,19 +96,15 @@ impl<'d> Slot<'d> {
         Ok(fine)
     }
 
-    /// What changes of the predictions at the point `y` that was linearised where `record` drives the model; `seed` is where
-    /// simulations start that solve for its motion and have no solution yet.
-    pub fn driven_by(
-        &self,
-        model: &Model,
-        record: &Record,
-        seed: Option<&Seed>,
-        y: &[f64],
-    ) -> Result<Vec<f64>, String> {
+    /// What changes of the predictions at the last point that was linearised where `record` drives the model; `seed` is where
+    /// simulations start that solve for its motion and have no solution yet. An unknown past is sought anew: what its numbers
+    /// mean belongs to the simulation that found it.
+    pub fn driven_by(&self, model: &Model, record: &Record, seed: Option<&Seed>) -> Result<Vec<f64>, String> {
         let own = self.shown.solution().cloned().map(Seed::Near);
         let mut shown = ObservedSimulation::near(model, record, own.as_ref().or(seed))?;
+        let start = shown.settle(model)?;
         let mut driven = Vec::new();
-        shown.predict(model, &self.own_values(y), &mut driven)?;
+        shown.predict(model, &start, &mut driven)?;
         Ok(minus(&driven, &self.linearised))
     }
 

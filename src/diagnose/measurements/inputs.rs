@@ -4,8 +4,8 @@
 use rayon::prelude::*;
 
 use super::weighted_dataset::{RecordResiduals, WeightedDataset};
-use crate::data::{Channel, Record};
-use crate::fit::predict::{ObservedSimulation, compared, white_noise};
+use crate::data::{Channel, Record, Regime};
+use crate::fit::predict::{Motion, ObservedSimulation, compared, drives, white_noise};
 use crate::model::Model;
 use crate::numeric::random::Random;
 
@@ -19,26 +19,34 @@ pub(in crate::diagnose) fn through(model: &Model, bench: &WeightedDataset) -> Ve
         .collect()
 }
 
-/// `record` with as much noise again in what drives `model`, other noise with another `seed`; `None` where it has none.
-pub(in crate::diagnose) fn shaken(model: &Model, record: &Record, seed: u64) -> Option<Record> {
-    let names: Vec<&str> = compared(model, record).iter().map(|channel| channel.name.as_str()).collect();
-    let mut shaken = record.clone();
+/// `record` with other noise in what drives `model` in place of that it has, another with another `seed`; `None` where it has
+/// none. Samples that are not evenly spaced keep theirs as well.
+pub(in crate::diagnose) fn redrawn(model: &Model, record: &Record, seed: u64) -> Option<Record> {
+    noisy(model, record, seed, |values| match record.sample_step() {
+        Some(step) => *values = Motion::even(values, step).values,
+        None => (),
+    })
+}
+
+/// `record` with noise added to what drives `model`, after `prepare` has seen its values; `None` where it has none.
+fn noisy(model: &Model, record: &Record, seed: u64, prepare: impl Fn(&mut Vec<f64>)) -> Option<Record> {
+    let mut noisy = record.clone();
     let mut random = Random::new(seed);
     let mut any = false;
-    for channel in &mut shaken.channels {
-        let driving = !names.contains(&channel.name.as_str()) && channel.name != "time";
-        let noise = if driving { input_noise(channel) } else { 0.0 };
+    for channel in &mut noisy.channels {
+        let noise = if drives(model, record, channel) { input_noise(channel, record.regime) } else { 0.0 };
         if noise > 0.0 {
             any = true;
+            prepare(&mut channel.values);
             channel.values.iter_mut().for_each(|value| *value += noise * random.normal());
         }
     }
-    any.then_some(shaken)
+    any.then_some(noisy)
 }
 
 fn one(model: &Model, lane: &RecordResiduals, index: usize) -> Result<Vec<f64>, String> {
     let record = lane.record;
-    let Some(shaken) = shaken(model, record, index as u64) else { return Ok(Vec::new()) };
+    let Some(shaken) = noisy(model, record, index as u64, |_| ()) else { return Ok(Vec::new()) };
     let mut values = [Vec::new(), Vec::new()];
     for (record, values) in [record, &shaken].into_iter().zip(&mut values) {
         let mut shown = ObservedSimulation::near(model, record, lane.seed.as_ref())?;
@@ -71,7 +79,7 @@ fn size(change: &[f64]) -> f64 {
     *median / 0.674_489_75 / 2.0_f64.sqrt()
 }
 
-/// Noise of a driving channel: what the dataset states, or its white part.
-fn input_noise(channel: &Channel) -> f64 {
-    channel.noise.unwrap_or_else(|| white_noise(&channel.values))
+/// Noise of a driving channel: what the dataset states, or its white part; the rows of a table are no course in time.
+fn input_noise(channel: &Channel, regime: Regime) -> f64 {
+    channel.noise.unwrap_or_else(|| if regime.is_table() { 0.0 } else { white_noise(&channel.values) })
 }

@@ -109,10 +109,7 @@ impl Decision {
         all: &Measured,
     ) -> Self {
         self.likeliest = self.best;
-        let best = &weighed.sets[self.best];
-        if self.verdict == Verdict::EffectFound
-            && !best.members.iter().all(|member| best.posterior.determines(*member))
-        {
+        if self.verdict == Verdict::EffectFound && !weighed.is_determined(self.best, context.data) {
             (self.verdict, self.best) = (Verdict::InsufficientData, 0);
             self.taken_back = Some(TakenBack::Undetermined);
             return self;

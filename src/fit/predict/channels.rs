@@ -55,6 +55,13 @@ pub(crate) fn compared<'r>(model: &Model, record: &'r Record) -> Vec<&'r Channel
     channels
 }
 
+/// Whether a `channel` of `record` drives a model of this structure; time does not.
+pub(crate) fn drives(model: &Model, record: &Record, channel: &Channel) -> bool {
+    let quantity = channel.quantity();
+    let compared = || compared(model, record).iter().any(|compared| compared.name == channel.name);
+    quantity != "time" && roles(model, record.regime).inputs.contains(&quantity) && !compared()
+}
+
 /// Time derivative of the displacement that a channel measures.
 pub(crate) fn derivative_order(channel: &Channel) -> usize {
     match channel.quantity() {

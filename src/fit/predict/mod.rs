@@ -26,11 +26,11 @@ mod unknown_start;
 
 pub(crate) use backbone::scatter_of_starts;
 pub use channels::unused_columns;
-pub(crate) use channels::{compared, derivative_order, deviation};
+pub(crate) use channels::{compared, derivative_order, deviation, drives};
 pub(crate) use motion::{Motion, white_noise};
 pub(crate) use observed::ObservedSimulation;
 pub(crate) use period::period;
-pub(crate) use simulation::{Direction, Seed};
+pub(crate) use simulation::{Direction, Seed, WRONG_BRANCH};
 
 use crate::data::Record;
 use crate::model::Model;

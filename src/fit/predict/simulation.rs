@@ -17,7 +17,7 @@ pub(crate) enum Seed {
 }
 
 /// Root-mean-square fraction of the motion above which a prediction may be another of several responses than the measured.
-pub(super) const WRONG_BRANCH: f64 = 0.2;
+pub(crate) const WRONG_BRANCH: f64 = 0.2;
 
 /// The predictions of one record. It keeps what does not change from one prediction to the next (the
 /// excitation's harmonics, velocities, room for the state) and the last solution to start from.

@@ -16,7 +16,7 @@ const BESIDE: usize = 16;
 pub(in crate::fit::predict) struct ExcitationForce {
     /// Place of the mass, or of the one exciter of a beam.
     pub at: usize,
-    /// From each sample to the next (N), after the last to the first where the record is periodic.
+    /// From each sample to the next (N); after the last to the first where the record is periodic, else held.
     pub ramps: Vec<Ramp>,
 }
 
@@ -29,22 +29,19 @@ impl ExcitationForce {
             true => within_periods(values, |values| band_limited(values, FINER), FINER),
             false => band_limited(values, FINER),
         };
-        let count = values.len();
-        let line = |index: usize| Ramp::line(values[index], values[(index + 1) % count]);
-        let ramps = match fine {
+        let mut ramps: Vec<Ramp> = match fine {
             Some(fine) => fine.windows(FINER + 1).step_by(FINER).map(through_thirds).collect(),
-            None => (0..if periodic { count } else { count - 1 }).map(line).collect(),
+            None => values.windows(2).map(|pair| Ramp::line(pair[0], pair[1])).collect(),
         };
+        if let (true, Some(&last)) = (ramps.len() < values.len(), values.last()) {
+            ramps.push(Ramp::line(last, if periodic { values[0] } else { last }));
+        }
         Self { at, ramps }
     }
 
     /// From sample `from` to sample `to`, the next or the same (N).
     pub fn ramp(&self, from: usize, to: usize) -> Ramp {
-        match self.ramps.get(from) {
-            Some(ramp) if from != to => *ramp,
-            Some(ramp) => Ramp::held(ramp.start),
-            None => Ramp::held(self.ramps.last().map_or(0.0, |last| last.end)),
-        }
+        if from == to { Ramp::held(self.ramps[from].start) } else { self.ramps[from] }
     }
 }
 
@@ -79,7 +76,7 @@ pub(in crate::fit::predict) struct Excitation {
     /// Whether the first sample follows the last.
     pub periodic: bool,
     pub forces: Vec<ExcitationForce>,
-    /// Measured normal load (N), its noise reduced: a contact that gives way whenever the load dips follows the dips of noise, too.
+    /// Measured normal load (N), its noise reduced: a contact gives way whenever the load dips, and follows the dips of noise.
     pub load: Option<Vec<f64>>,
 }
 
@@ -180,8 +177,8 @@ mod tests {
         let wave = |place: f64| (speed * place + 0.3).sin() + 0.5;
         let values: Vec<f64> = (0..count).map(|k| wave(k as f64)).collect();
         let force = ExcitationForce::new(0, &values, periodic, true);
-        assert_eq!(force.ramps.len(), if periodic { count } else { count - 1 });
-        let margin = if periodic { 0 } else { 12 };
+        assert_eq!(force.ramps.len(), count);
+        let margin = if periodic { 0 } else { 13 };
         let off = |k: usize| {
             let ramp = force.ramp(k, k + 1);
             (0..10).map(move |i| (ramp.at(0.1 * f64::from(i)) - wave(k as f64 + 0.1 * f64::from(i))).abs())

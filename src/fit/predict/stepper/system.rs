@@ -18,7 +18,8 @@ const MOST_STEPS: usize = 64;
 /// What excites a structure through one record, and what is observed of it.
 ///
 /// Forces run between samples as their band says. Those on an oscillator act on the masses that the columns `excitation:…`
-/// name, and the samples set its steps: a fit repeats them a thousand times. A beam's steps are its own. A measured `normal_load` counts as far as the model's effects let it.
+/// name, and the samples set its steps: a fit repeats them a thousand times. A beam's steps are its own. A measured
+/// `normal_load` counts as far as the model's effects let it.
 #[derive(Debug, Clone)]
 pub(in crate::fit::predict) struct ExcitedSystem {
     pub excitation: Excitation,
