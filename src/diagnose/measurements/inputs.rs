@@ -22,9 +22,10 @@ pub(in crate::diagnose) fn through(model: &Model, bench: &WeightedDataset) -> Ve
 /// `record` with other noise in what drives `model` in place of that it has, another with another `seed`; `None` where it has
 /// none. Samples that are not evenly spaced keep theirs as well.
 pub(in crate::diagnose) fn redrawn(model: &Model, record: &Record, seed: u64) -> Option<Record> {
-    noisy(model, record, seed, |values| match record.sample_step() {
-        Some(step) => *values = Motion::even(values, step).values,
-        None => (),
+    noisy(model, record, seed, |values| {
+        if let Some(step) = record.sample_step() {
+            *values = Motion::even(values, step).values;
+        }
     })
 }
 
