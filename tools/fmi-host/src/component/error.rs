@@ -9,7 +9,7 @@ use crate::binding::Status;
 #[non_exhaustive]
 pub enum Error {
     /// It cannot be loaded, or a function is missing.
-    #[error("the library cannot be used: {0}")]
+    #[error("the library cannot be used: {}", with_reason(.0))]
     Load(#[from] libloading::Error),
     /// It is damaged, or for another kind of computer.
     #[error("{0}")]
@@ -42,4 +42,22 @@ pub enum Error {
     /// A saved state of another slave: its library would take it for one of its own.
     #[error("the saved state belongs to another slave")]
     ForeignState,
+}
+
+/// An error with what the system says of it.
+fn with_reason(error: &dyn std::error::Error) -> String {
+    error.source().map_or_else(|| error.to_string(), |reason| format!("{error}: {reason}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn why_a_library_cannot_be_loaded_is_told() {
+        // SAFETY: there is none, so nothing of it runs.
+        let missing = unsafe { libloading::Library::new("/there/is/no/library.so") }.map(drop);
+        let said = Error::from(missing.unwrap_err()).to_string();
+        assert!(said.contains("/there/is/no/library.so"), "{said}");
+    }
 }

@@ -1,0 +1,128 @@
+/* What the calls of an FMU of FMI 2.0 cost: measure LIBRARY GUID RESOURCES STEP OUTPUT [INPUT AMPLITUDE]
+   Prints nanoseconds of fmi2DoStep (inputs held), of fmi2SetReal + fmi2DoStep + fmi2GetReal (input moving), microseconds from
+   fmi2Instantiate to the end of the initialization and fmi2FreeInstance, and bytes of the heap that an instance takes. Times are the
+   shortest and the median of many batches. */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <malloc.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+typedef struct {
+    void (*logger)(void *, const char *, int, const char *, const char *, ...);
+    void *(*allocate)(size_t, size_t);
+    void (*release)(void *);
+    void (*finished)(void *, int);
+    void *environment;
+} Callbacks;
+
+static void logger(void *environment, const char *name, int status, const char *category, const char *text, ...) {
+    (void)environment;
+    fprintf(stderr, "%s %d %s: %s\n", name, status, category, text);
+}
+
+static Callbacks callbacks = {logger, calloc, free, NULL, NULL};
+static void *(*instantiate)(const char *, int, const char *, const char *, const void *, int, int);
+static void (*release)(void *);
+static int (*set_up)(void *, int, double, double, int, double);
+static int (*enter)(void *);
+static int (*leave)(void *);
+static int (*set_real)(void *, const unsigned *, size_t, const double *);
+static int (*get_real)(void *, const unsigned *, size_t, double *);
+static int (*do_step)(void *, double, double, int);
+static const char *guid, *resources;
+
+enum { BATCHES = 401, CALLS = 2000, INSTANCES = 400 };
+
+static double now(void) {
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return 1e9 * (double)time.tv_sec + (double)time.tv_nsec;
+}
+
+static void check(int failed, const char *what) {
+    if (failed) {
+        fprintf(stderr, "%s fails\n", what);
+        exit(1);
+    }
+}
+
+static void *ready(void) {
+    void *instance = instantiate("one", 1, guid, resources, &callbacks, 0, 0);
+    check(instance == NULL, "fmi2Instantiate");
+    check(set_up(instance, 0, 0.0, 0.0, 0, 0.0) != 0, "fmi2SetupExperiment");
+    check(enter(instance) != 0, "fmi2EnterInitializationMode");
+    check(leave(instance) != 0, "fmi2ExitInitializationMode");
+    return instance;
+}
+
+static int by_size(const void *one, const void *other) {
+    double difference = *(const double *)one - *(const double *)other;
+    return (difference > 0.0) - (difference < 0.0);
+}
+
+static void tell(const char *name, double *times, int count, double each) {
+    qsort(times, (size_t)count, sizeof *times, by_size);
+    printf("\"%s\": [%.4g, %.4g], ", name, times[0] / each, times[count / 2] / each);
+}
+
+int main(int count, char **words) {
+    check(count < 6, "measure LIBRARY GUID RESOURCES STEP OUTPUT [INPUT AMPLITUDE]: a word is missing, which");
+    void *library = dlopen(words[1], RTLD_NOW | RTLD_LOCAL);
+    if (library == NULL) {
+        fprintf(stderr, "%s\n", dlerror());
+        return 1;
+    }
+#define FIND(function, name) check((*(void **)&function = dlsym(library, name)) == NULL, name)
+    FIND(instantiate, "fmi2Instantiate");
+    FIND(release, "fmi2FreeInstance");
+    FIND(set_up, "fmi2SetupExperiment");
+    FIND(enter, "fmi2EnterInitializationMode");
+    FIND(leave, "fmi2ExitInitializationMode");
+    FIND(set_real, "fmi2SetReal");
+    FIND(get_real, "fmi2GetReal");
+    FIND(do_step, "fmi2DoStep");
+    guid = words[2], resources = words[3];
+    double step = atof(words[4]), value = 0.0, times[BATCHES];
+    unsigned output = (unsigned)atoi(words[5]), input = 0;
+    double amplitude = count > 7 ? atof(words[7]) : 0.0;
+    if (count > 7) input = (unsigned)atoi(words[6]);
+
+    void *instance = ready();
+    long done = 0;
+    for (int batch = 0; batch < BATCHES; batch++) {
+        double start = now();
+        for (int call = 0; call < CALLS; call++) check(do_step(instance, (double)done++ * step, step, 1) != 0, "fmi2DoStep");
+        times[batch] = now() - start;
+    }
+    printf("{");
+    tell("held", times, BATCHES, CALLS);
+    for (int batch = 0; count > 7 && batch < BATCHES; batch++) {
+        double start = now();
+        for (int call = 0; call < CALLS; call++) {
+            int place = call % 64;
+            double moved = amplitude * (place < 32 ? place / 16.0 - 1.0 : 3.0 - place / 16.0);
+            check(set_real(instance, &input, 1, &moved) != 0, "fmi2SetReal");
+            check(do_step(instance, (double)done++ * step, step, 1) != 0, "fmi2DoStep");
+            check(get_real(instance, &output, 1, &value) != 0, "fmi2GetReal");
+        }
+        times[batch] = now() - start;
+    }
+    if (count > 7) tell("moving", times, BATCHES, CALLS);
+    release(instance);
+
+    for (int batch = 0; batch < BATCHES; batch++) {
+        double start = now();
+        for (int call = 0; call < 10; call++) release(ready());
+        times[batch] = now() - start;
+    }
+    tell("instance", times, BATCHES, 10 * 1e3);
+    static void *all[INSTANCES];
+    size_t before = mallinfo2().uordblks + mallinfo2().hblkhd;
+    for (int i = 0; i < INSTANCES; i++) all[i] = ready();
+    size_t after = mallinfo2().uordblks + mallinfo2().hblkhd;
+    printf("\"bytes\": %.0f}\n", (double)(after - before) / INSTANCES);
+    for (int i = 0; i < INSTANCES; i++) release(all[i]);
+    return 0;
+}
