@@ -68,7 +68,10 @@ static void tell(const char *name, double *times, int count, double each) {
 }
 
 int main(int count, char **words) {
-    check(count < 6, "measure LIBRARY GUID RESOURCES STEP OUTPUT [INPUT AMPLITUDE]: a word is missing, which");
+    if (count != 6 && count != 8) {
+        fprintf(stderr, "measure LIBRARY GUID RESOURCES STEP OUTPUT [INPUT AMPLITUDE]\n");
+        return 2;
+    }
     void *library = dlopen(words[1], RTLD_NOW | RTLD_LOCAL);
     if (library == NULL) {
         fprintf(stderr, "%s\n", dlerror());

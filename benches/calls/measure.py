@@ -1,6 +1,6 @@
 """What the calls of our FMUs cost beside Modelica's Reference-FMUs and the least C that is an FMU, all in one run.
 
-STICKSLIP names the program; `tests/fmi/test_fmus_of_others.py` has downloaded the FMUs of others. Writes `benches/calls.md`.
+STICKSLIP names the program; `tests/fmi/test_fmus_of_others.py` has downloaded the FMUs of others. Writes `calls.md` beside it.
 """
 
 import json
@@ -72,7 +72,7 @@ def main():
         cells = [name, pair("held"), pair("moving"), pair("instance"), f"{found['bytes']:.0f}", f"{len(library) / 1e3:.0f}", f"{len(zlib.compress(library, 9)) / 1e3:.0f}"]
         lines.append("| " + " | ".join(cells) + " |")
     text = "\n".join(lines) + "\n"
-    (ROOT / "benches/calls.md").write_text(text)
+    (HERE / "calls.md").write_text(text)
     print(text)
 
 

@@ -341,12 +341,10 @@ fn added(
         evidence::added(question, &base, &forms)
     });
     let mut with = with.map_err(|reason| unpredictable(&bench, model, reason))?;
-    let narrow = [&mut base, &mut with]
-        .map(|of| evidence::widen(&training.of(&bench), of).err().filter(|_| !bench.interrupted()));
+    let [of_base, of_with] = [&mut base, &mut with].map(|of| evidence::widen(&training.of(&bench), of));
     progress.tell(effect.id);
     let mut stages = vec![before];
     stages.push(stage("refitted", &base, model, dataset, &bench));
-    let [of_base, of_with] = narrow;
     stages[1].notes.extend(lost.into_iter().chain(of_base));
     let law = |model: &Model| model.contact.map(|contact| contact.law.kind);
     let name = match law(&with.model) {

@@ -23,7 +23,7 @@ const NARROW: &str = "the intervals do not allow for the noise of what drives th
 ///
 /// # Errors
 /// Why it cannot be told; `posterior` is then unchanged.
-pub(in crate::diagnose) fn widen(data: &Measured, posterior: &mut Posterior) -> Result<(), String> {
+pub(super) fn widen(data: &Measured, posterior: &mut Posterior) -> Result<(), String> {
     let seed = |k: usize, time: u64| k as u64 * TIMES + time;
     let records: Vec<Vec<Record>> = (0..data.records.len())
         .map(|k| {
@@ -110,10 +110,9 @@ fn add(posterior: &mut Posterior, more: &DMatrix<f64>) {
     let count = posterior.unknowns.len();
     let own = posterior.deviations.clone();
     let more = |i: usize, k: usize| if more[(i, i)] > 0.0 && more[(k, k)] > 0.0 { more[(i, k)] } else { 0.0 };
-    // Nothing that was seen is unseen by noise.
-    let wide = |i: usize| own[i].hypot(more(i, i).sqrt()).min(own[i].max(UNSEEN));
-    posterior.deviations = (0..count).map(wide).collect();
     let size = |i: usize| own[i].hypot(more(i, i).sqrt());
+    // Nothing that was seen is unseen by noise.
+    posterior.deviations = (0..count).map(|i| size(i).min(own[i].max(UNSEEN))).collect();
     for (place, correlation) in posterior.correlations.iter_mut().enumerate() {
         let (i, k) = (place / count, place % count);
         *correlation = ((*correlation * own[i] * own[k] + more(i, k)) / (size(i) * size(k))).clamp(-1.0, 1.0);

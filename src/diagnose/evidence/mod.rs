@@ -33,7 +33,6 @@ mod weights;
 
 pub(super) use agreement::freed;
 pub(super) use discrepancy::Discrepancy;
-pub(super) use driven::widen;
 pub(super) use limits::{Sensitivities, around};
 pub(super) use measured::Measured;
 pub(super) use posterior::{Posterior, Solutions};
@@ -81,8 +80,7 @@ impl Weighed {
         if let Ok(refined) = refined::refined(data, posterior) {
             *posterior = refined;
         }
-        let lost = driven::widen(data, posterior).err();
-        lost.filter(|_| !data.bench.interrupted())
+        widen(data, posterior)
     }
 
     /// Whether all members of set `k` have a size when their intervals allow for the noise that drove the model.
@@ -99,9 +97,14 @@ impl Weighed {
         let known = &mut self.sets[0].posterior;
         if data.left(&fitted.predictions) < data.left(&known.predictions) {
             *known = fitted;
-            let _ = driven::widen(data, known);
+            widen(data, known);
         }
     }
+}
+
+/// Has the intervals of `posterior` allow for the noise of the inputs; why they do not, unless they were not to be told any more.
+pub(super) fn widen(data: &Measured, posterior: &mut Posterior) -> Option<String> {
+    driven::widen(data, posterior).err().filter(|_| !data.bench.interrupted())
 }
 
 /// `model` refitted as it is: from where it is or, where motions are solved for, from what fits best about those that
