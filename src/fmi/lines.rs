@@ -148,6 +148,14 @@ impl Lines {
         }
     }
 
+    /// The ends of all inputs in a state, if they ran there straight from where they had ended.
+    #[inline]
+    pub fn straight_ends<const INPUTS: usize>(state: &[f64]) -> Option<[f64; INPUTS]> {
+        let (of_step, of_lines) = state.split_first_chunk::<OF_STEP>()?;
+        let saved = of_lines.as_chunks::<PER_LINE>().0.first_chunk::<INPUTS>()?;
+        (of_step[1] == STRAIGHT).then(|| saved.each_ref().map(|saved| saved[END]))
+    }
+
     /// Whether a line began at a value set for the step.
     pub fn begin_anew(&self) -> bool {
         self.given.iter().any(|given| *given != Given::Runs)

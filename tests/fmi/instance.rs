@@ -395,4 +395,15 @@ fn a_step_that_would_take_seconds_is_refused_at_once() {
         }
         instance.do_step(0.0, 0.1).unwrap();
     }
+    // A contact that is never out of its corner takes as many attempts as it may, and no more.
+    let mut instance = Instance::new(FRICTIONAL).unwrap();
+    for input in ["normal_load", "excitation"] {
+        let reference = instance.description().reference(input).unwrap();
+        instance.set_real(&[reference], &[1e12]).unwrap();
+    }
+    instance.enter_initialization().unwrap();
+    instance.exit_initialization().unwrap();
+    let begin = std::time::Instant::now();
+    instance.do_step(0.0, 0.1).expect_err("too many attempts");
+    assert!(begin.elapsed().as_secs_f64() < 3.0, "{:?}", begin.elapsed());
 }

@@ -47,8 +47,8 @@ fn number(chance: &mut Rng, scale: f64) -> f64 {
     }
 }
 
-/// The length of a step. Of those that are too long only absurd ones: what is just short of the limit, a million attempts, takes
-/// minutes.
+/// The length of a step. Of those that are too long only absurd ones: what is just short of the limit, fifty thousand attempts,
+/// takes most of a second.
 fn step(chance: &mut Rng) -> f64 {
     let step = number(chance, 3e-4).abs();
     if step > 1.0 && step < 1e12 { f64::INFINITY } else { step }

@@ -1,7 +1,7 @@
 //! The behaviour of a model with a structure: a system whose ports are driven from outside.
 
-use super::LoadRule;
 use super::slip::SlipFraction;
+use super::{LoadRule, MOST_STEPS, count_steps};
 use crate::fmi::continuous::{self, ContinuousTime, Instant};
 use crate::fmi::lines::Lines;
 use crate::fmi::{Asked, Behaviour};
@@ -68,23 +68,18 @@ pub(super) struct DrivenSystem {
 const TOLERANCE_OF_LONGEST: f64 = 3e-4;
 /// The longest step is divided by this at most.
 const FINEST: f64 = 1000.0;
-/// Most steps within a communication step: more take seconds, in which nothing can be told to the master.
-const MOST_STEPS: f64 = 2e5;
 
 impl Table {
     /// The steps within a communication step of `step` (s).
     fn steps(&self, step: f64, tolerance: f64, integrator: &Integrator) -> Result<Steps, String> {
         let finer = (TOLERANCE_OF_LONGEST / tolerance).sqrt().clamp(1.0, FINEST);
         let longest = self.longest.map_or(integrator.longest_controlled_step(), |longest| longest / finer);
-        let count = (step / longest).ceil().max(1.0);
-        if count > MOST_STEPS {
-            return Err(format!("a communication step of {step:?} s is too long for a motion this fast"));
-        }
+        let count = count_steps(step, longest)?;
         if self.longest.is_some() {
-            return Ok(Steps::Equal(count as usize));
+            return Ok(Steps::Equal(count));
         }
         let tolerance = tolerance.clamp(TOLERANCES.0, TOLERANCES.1);
-        Ok(Steps::Controlled(Settings { tolerance, ..Settings::default() }))
+        Ok(Steps::Controlled(Settings { tolerance, step_limit: MOST_STEPS }))
     }
 }
 

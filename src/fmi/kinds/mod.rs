@@ -18,6 +18,24 @@ use crate::contact::JointChanges;
 use crate::model::{Model, Structure};
 use crate::time::Ramp;
 
+/// Most steps, attempts among them, within a communication step: more take a second, in which nothing can be told to the master.
+const MOST_STEPS: usize = 50_000;
+
+/// How many steps of at most `longest` (s) make a communication step of `step` (s).
+///
+/// # Errors
+/// More than [`MOST_STEPS`].
+fn count_steps(step: f64, longest: f64) -> Result<usize, String> {
+    let count = (step / longest).ceil().max(1.0);
+    if count > MOST_STEPS as f64 {
+        let most = longest * MOST_STEPS as f64;
+        return Err(format!(
+            "a communication step of {step:?} s is too long for a motion this fast: ask for {most:.2e} s at most"
+        ));
+    }
+    Ok(count as usize)
+}
+
 /// The normal load that acts, from the one that comes in.
 #[derive(Debug, Clone, Copy)]
 struct LoadRule {

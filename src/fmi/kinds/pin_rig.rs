@@ -2,6 +2,7 @@
 //! then come from outside.
 
 use super::beam::sensor_positions;
+use super::count_steps;
 use super::slip::SlipFraction;
 use crate::fmi::continuous::{self, ContinuousForm, ContinuousTime, Instant};
 use crate::fmi::description::{DependencyKind, Description, Experiment, Variable};
@@ -24,8 +25,6 @@ const IMPACT_ENERGY: usize = 5;
 const TOLERANCE_OF_LONGEST: f64 = 1e-6;
 /// The longest step is divided by this at most.
 const FINEST: f64 = 100.0;
-/// Most steps within a communication step: more take seconds, in which nothing can be told to the master.
-const MOST_STEPS: f64 = 2e5;
 /// Change of the force over the load at rest, and part of the longest step, with which outputs are differenced.
 const DIFFERENCE: f64 = 1e-4;
 const AHEAD: f64 = 1e-3;
@@ -151,12 +150,7 @@ impl PinRigBehaviour {
     /// How many steps make one of the lines' length.
     fn count(&self, tolerance: f64) -> Result<usize, String> {
         let finer = (TOLERANCE_OF_LONGEST / tolerance).sqrt().clamp(1.0, FINEST);
-        let step = self.lines.step;
-        let count = (step * finer / self.steps.longest_step()).ceil().max(1.0);
-        if count > MOST_STEPS {
-            return Err(format!("a communication step of {step:?} s is too long for a motion this fast"));
-        }
-        Ok(count as usize)
+        count_steps(self.lines.step, self.steps.longest_step() / finer)
     }
 
     fn inputs(&self) -> usize {

@@ -31,37 +31,36 @@ impl Carried {
         }
     }
 
-    /// The step to `inputs`, which change by `by`: the response, and the changes of the energies (J) that friction and
-    /// impacts dissipate.
-    pub fn step(
-        &mut self,
-        contact: &SlipSlap,
-        inputs: SlipSlapInputs,
-        by: SlipSlapInputs,
-    ) -> (SlipSlapResponse, [f64; 2]) {
-        let energies = self.energies(contact, inputs, by);
-        let n = self.state.len();
-        let response = contact.step_and_tangents(
-            &self.state,
-            inputs,
-            &mut self.next,
-            &mut self.tangents,
-            &mut self.work,
-        );
-        let t = &self.tangents;
-        self.force_by_state = dot(&t.force_by_state[..n], &self.change);
-        for (row, change) in self.next_change.iter_mut().enumerate() {
-            *change = dot(&t.next_by_state[row * n..(row + 1) * n], &self.change)
+    /// The response of the step to `inputs`, which is not taken.
+    pub fn look(&mut self, contact: &SlipSlap, inputs: SlipSlapInputs) -> SlipSlapResponse {
+        let Self { state, change, next, tangents, work, .. } = self;
+        self.force_by_state = 0.0;
+        if change.iter().all(|change| *change == 0.0) {
+            return contact.step(state, inputs, next, work);
+        }
+        let response = contact.step_and_tangents(state, inputs, next, tangents, work);
+        self.force_by_state = dot(&tangents.force_by_state[..state.len()], change);
+        response
+    }
+
+    /// The step to `inputs`, which change by `by`.
+    pub fn step(&mut self, contact: &SlipSlap, inputs: SlipSlapInputs, by: SlipSlapInputs) {
+        let Self { state, change, next, tangents, work, .. } = self;
+        let n = state.len();
+        contact.step_and_tangents(state, inputs, next, tangents, work);
+        let t = tangents;
+        for (row, next_change) in self.next_change.iter_mut().enumerate() {
+            *next_change = dot(&t.next_by_state[row * n..(row + 1) * n], change)
                 + dot(&t.next_by_displacement[2 * row..2 * row + 2], &by.displacement)
                 + dot(&t.next_by_velocity[2 * row..2 * row + 2], &by.velocity);
         }
-        std::mem::swap(&mut self.state, &mut self.next);
-        std::mem::swap(&mut self.change, &mut self.next_change);
-        (response, energies)
+        std::mem::swap(state, next);
+        std::mem::swap(change, &mut self.next_change);
     }
 
-    /// No law knows the derivatives of the energies it dissipates: differences of steps.
-    fn energies(&mut self, contact: &SlipSlap, inputs: SlipSlapInputs, by: SlipSlapInputs) -> [f64; 2] {
+    /// Changes of the energies (J) that friction and impacts dissipate in the step to `inputs`, which change by `by`, if it were
+    /// taken. No law knows their derivatives: differences of steps.
+    pub fn energies(&mut self, contact: &SlipSlap, inputs: SlipSlapInputs, by: SlipSlapInputs) -> [f64; 2] {
         let most = |changes: [f64; 2], scale: f64| {
             changes.iter().fold(0.0_f64, |most, by| most.max(by.abs())) / scale
         };

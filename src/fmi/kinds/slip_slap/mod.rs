@@ -150,6 +150,26 @@ impl SlipSlapBehaviour {
         inputs(|input| of(&self.lines.change(input, &direction[input])))
     }
 
+    /// Where the last step was divided before its end, and how that changes with the `direction` of the lines.
+    fn before_the_end(&self, direction: &[Ramp]) -> impl Iterator<Item = (SlipSlapInputs, SlipSlapInputs)> {
+        let at_start = || self.change(direction, |line| line.start);
+        let start = if self.lines.step == 0.0 {
+            None
+        } else if self.lines.jumped {
+            Some((self.starts(), at_start()))
+        } else if self.lines.begin_anew() {
+            // A jump that was none still changes: in the direction in which the contact then went.
+            let ahead = self.acting(|line| line.start + AHEAD * (line.end - line.start));
+            Some((ahead, at_start()))
+        } else {
+            None
+        };
+        let turns = self.turns().into_iter().filter(|turn| *turn < 1.0 && self.lines.step > 0.0);
+        let at =
+            |turn: f64| (self.acting(|line| line.at(turn)), self.change(direction, |line| line.at(turn)));
+        start.into_iter().chain(turns.map(at))
+    }
+
     /// Rates (1/s) of the outputs that follow the motion at the end of a step, from `rates` of the inputs.
     fn rates_of(&self, response: &SlipSlapResponse, by: SlipSlapInputs, rates: &mut [f64]) {
         let force = |row: usize| along(response, row, by);
@@ -288,33 +308,30 @@ impl Behaviour for SlipSlapBehaviour {
     fn sensitivity(
         &mut self,
         state: &[f64],
-        _unknowns: &[u32],
+        unknowns: &[u32],
         direction: &[Ramp],
         _tolerance: f64,
         change: &mut [f64],
     ) -> Result<(), String> {
         self.go_back(state);
-        let (starts, ends) = (self.starts(), self.ends());
-        let by_start = self.change(direction, |line| line.start);
+        // Derivatives of energies cost two steps more each time.
+        let energy = [DISSIPATED_ENERGY, IMPACT_ENERGY].iter().any(|row| unknowns.contains(&(*row as u32)));
+        let mut carried = std::mem::take(&mut self.carried);
         let mut lost = [0.0; 2];
-        let mut add = |more: [f64; 2]| lost = [lost[0] + more[0], lost[1] + more[1]];
-        if self.lines.step > 0.0 {
-            if self.lines.jumped {
-                add(self.carried.step(&self.contact, starts, by_start).1);
-            } else if self.lines.begin_anew() {
-                // A jump that was none still changes: in the direction in which the contact then went.
-                let ahead = self.acting(|line| line.start + AHEAD * (line.end - line.start));
-                add(self.carried.step(&self.contact, ahead, by_start).1);
+        let mut lose = |carried: &mut Carried, inputs, by| {
+            if energy {
+                let more = carried.energies(&self.contact, inputs, by);
+                lost = [lost[0] + more[0], lost[1] + more[1]];
             }
-            for turn in self.turns().into_iter().filter(|turn| *turn < 1.0) {
-                let at = self.acting(|line| line.at(turn));
-                let by = self.change(direction, |line| line.at(turn));
-                add(self.carried.step(&self.contact, at, by).1);
-            }
+        };
+        for (inputs, by) in self.before_the_end(direction) {
+            lose(&mut carried, inputs, by);
+            carried.step(&self.contact, inputs, by);
         }
-        let by = self.change(direction, |line| line.end);
-        let (end, more) = self.carried.step(&self.contact, ends, by);
-        add(more);
+        let (ends, by) = (self.ends(), self.change(direction, |line| line.end));
+        lose(&mut carried, ends, by);
+        let end = carried.look(&self.contact, ends);
+        self.carried = carried;
         change.fill(0.0);
         self.rates_of(&end, by, change);
         change[FORCE - INPUTS] += self.carried.force_by_state;
