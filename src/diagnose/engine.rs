@@ -208,6 +208,9 @@ fn base(
     };
     let (first, solutions) = first.map_err(|reason| unpredictable(bench, model, reason))?;
     bench.reseed(&first.model, solutions);
+    let all: Vec<usize> = (0..bench.lanes.len()).collect();
+    let steps = evidence::steps_needed(&Measured::new(bench, &all, measured, &[]), &first.model);
+    bench.lanes.iter_mut().zip(steps).for_each(|(lane, steps)| lane.steps = steps);
     let through = inputs::through(&first.model, bench);
     let whole = evidence::again(&Measured::new(bench, records, measured, &through), &first);
     let (whole, lost) = match whole {

@@ -73,7 +73,7 @@ fn changes(
     let mut changes = Vec::new();
     for record in records {
         data.bench.unless_interrupted()?;
-        let change = slot.driven_by(model, record, lane.seed.as_ref());
+        let change = slot.driven_by(model, record, lane);
         changes.extend(change.ok().filter(|change| data.size_of(k, change) < WRONG_BRANCH));
     }
     if !records.is_empty() && changes.len() < 2 {

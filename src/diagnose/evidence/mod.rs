@@ -37,6 +37,7 @@ pub(super) use limits::{Sensitivities, around};
 pub(super) use measured::Measured;
 pub(super) use posterior::{Posterior, Solutions};
 pub(super) use probe::Prepared;
+pub(super) use refined::steps_needed;
 pub(super) use search::{Search, Set};
 
 use joint::Joint;

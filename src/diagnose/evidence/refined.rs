@@ -4,12 +4,12 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::joint::{Joint, dot};
+use super::joint::{Joint, dot, minus};
 use super::latent::Latent;
-use super::measured::Measured;
+use super::measured::{Measured, MeasuredChannel};
 use super::posterior::{HERE, Posterior, white_round};
 use super::slot::Slot;
-use crate::model::Structure;
+use crate::model::{Model, Structure};
 
 /// Steps in place of one; simulations that cannot be refined so far go as far as they can.
 const FINER: usize = 8;
@@ -17,6 +17,41 @@ const FINER: usize = 8;
 const MOVES: usize = 2;
 /// A move, in deviations, that is none.
 const NEGLIGIBLE: f64 = 0.01;
+
+/// Error of the steps in time over the noise, at most: half of a tenth, as what a model lacks may double it.
+const UNNOTICED: f64 = 0.05;
+
+/// Steps in place of one that simulations of each record need for an error of the steps far below the noise, by predictions
+/// under `model`; one where that cannot be told.
+pub(in crate::diagnose) fn steps_needed(data: &Measured, model: &Model) -> Vec<usize> {
+    let needed = |k: usize| needed(data, k, model).unwrap_or(1);
+    (0..data.records.len()).into_par_iter().map(needed).collect()
+}
+
+fn needed(data: &Measured, k: usize, model: &Model) -> Result<usize, String> {
+    let lane = data.lane(k);
+    // What is moved as measured, or solved for, takes no steps.
+    if model.structure == Structure::Prescribed || lane.seed.is_some() {
+        return Ok(1);
+    }
+    data.bench.unless_interrupted()?;
+    let mut shown = lane.shown(model)?;
+    let start = shown.settle(model)?;
+    let (mut plain, mut fine) = (Vec::new(), Vec::new());
+    shown.predict(model, &start, &mut plain)?;
+    shown.refine(FINER);
+    shown.predict(model, &start, &mut fine)?;
+    data.bench.count(1 + FINER);
+    let error = minus(&fine, &plain);
+    let over_noise = |channel: &MeasuredChannel| {
+        let error = &error[channel.range.clone()];
+        (dot(error, error) / error.len() as f64).sqrt() / channel.prior.deviation
+    };
+    let largest = data.channels[k].iter().map(over_noise).fold(0.0, f64::max);
+    // Of second order.
+    let needed = (largest / UNNOTICED).sqrt().ceil();
+    Ok((needed as usize).clamp(1, FINER))
+}
 
 /// `posterior` moved to where refined simulations fit best, as far as their error alone moves it: unknowns at their bounds stay
 /// there, and so does all of it where refined simulations leave more there than the others did, as another of several responses
@@ -103,7 +138,6 @@ mod tests {
     use crate::diagnose::evidence::{again, first};
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
     use crate::fit::predict::ObservedSimulation;
-    use crate::model::Model;
 
     fn beam(stiffness: f64, friction: f64) -> Model {
         Model::parse(&format!(
@@ -167,6 +201,26 @@ mod tests {
             let given = oscillator(1.1 * stiffness, 0.95 * friction);
             let [before, after] = errors(&truth, &given, vec![measured(&truth, from_rest(8.0))]);
             assert!(before > 1e-6 && after < 0.3 * before, "{before} {after}");
+        }
+    }
+
+    #[test]
+    fn records_take_the_steps_that_their_noise_asks_for() {
+        let truth = oscillator(2e3, 0.3);
+        let dataset = Dataset { title: None, records: vec![measured(&truth, from_rest(8.0))] };
+        let mut bench = WeightedDataset::new(&truth, &dataset, Assumptions::default(), None).unwrap();
+        let exact = bench.lanes[0].measured.clone();
+        let deviation = 1.0 / bench.lanes[0].scales[0];
+        for (noise, least) in [(0.2, 1), (1e-2, 2), (1e-3, 3)] {
+            let mut data = Measured::new(&bench, &[0], &[], &[]);
+            data.channels[0][0].prior.deviation = noise * deviation;
+            let steps = steps_needed(&data, &truth);
+            assert!(steps[0] >= least && (least > 1 || steps[0] == 1), "{noise}: {steps:?}");
+            bench.lanes[0].steps = steps[0];
+            let error = minus(&bench.score(&truth, &[0]).unwrap()[0].predictions, &exact);
+            let error = (dot(&error, &error) / error.len() as f64).sqrt();
+            assert!(error < 0.1 * noise * deviation, "{noise}: {}", error / (noise * deviation));
+            bench.lanes[0].steps = 1;
         }
     }
 

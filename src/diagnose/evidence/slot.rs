@@ -3,7 +3,7 @@
 use super::joint::minus;
 use super::unknown::Coordinate;
 use crate::data::Record;
-use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+use crate::diagnose::measurements::weighted_dataset::{RecordResiduals, WeightedDataset};
 use crate::fit::predict::{Direction, ObservedSimulation, Seed};
 use crate::model::Model;
 
@@ -96,12 +96,16 @@ impl<'d> Slot<'d> {
         Ok(fine)
     }
 
-    /// What changes of the predictions at the last point that was linearised where `record` drives the model; `seed` is where
-    /// simulations start that solve for its motion and have no solution yet. An unknown past is sought anew: what its numbers
-    /// mean belongs to the simulation that found it.
-    pub fn driven_by(&self, model: &Model, record: &Record, seed: Option<&Seed>) -> Result<Vec<f64>, String> {
+    /// What changes of the predictions at the last point that was linearised where `record` drives the model in place of that
+    /// of `lane`. An unknown past is sought anew: what its numbers mean belongs to the simulation that found it.
+    pub fn driven_by(
+        &self,
+        model: &Model,
+        record: &Record,
+        lane: &RecordResiduals,
+    ) -> Result<Vec<f64>, String> {
         let own = self.shown.solution().cloned().map(Seed::Near);
-        let mut shown = ObservedSimulation::near(model, record, own.as_ref().or(seed))?;
+        let mut shown = lane.shown_as(model, record, own.as_ref().or(lane.seed.as_ref()))?;
         let start = shown.settle(model)?;
         let mut driven = Vec::new();
         shown.predict(model, &start, &mut driven)?;

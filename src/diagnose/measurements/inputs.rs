@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::weighted_dataset::{RecordResiduals, WeightedDataset};
 use crate::data::{Channel, Record, Regime};
-use crate::fit::predict::{Motion, ObservedSimulation, compared, drives, white_noise};
+use crate::fit::predict::{Motion, compared, drives, white_noise};
 use crate::model::Model;
 use crate::numeric::random::Random;
 
@@ -50,7 +50,7 @@ fn one(model: &Model, lane: &RecordResiduals, index: usize) -> Result<Vec<f64>, 
     let Some(shaken) = noisy(model, record, index as u64, |_| ()) else { return Ok(Vec::new()) };
     let mut values = [Vec::new(), Vec::new()];
     for (record, values) in [record, &shaken].into_iter().zip(&mut values) {
-        let mut shown = ObservedSimulation::near(model, record, lane.seed.as_ref())?;
+        let mut shown = lane.shown_as(model, record, lane.seed.as_ref())?;
         let nuisances = shown.settle(model)?;
         shown.predict(model, &nuisances, values)?;
     }

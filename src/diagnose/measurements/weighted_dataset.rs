@@ -35,6 +35,8 @@ pub(in crate::diagnose) struct RecordResiduals<'d> {
     pub channels: Vec<(&'d str, std::ops::Range<usize>)>,
     /// A solution that every simulation of the record starts from.
     pub seed: Option<Seed>,
+    /// Steps in time in place of one that every simulation of the record takes.
+    pub steps: usize,
 }
 
 /// A model's predictions of one record, its start fitted to it.
@@ -145,7 +147,7 @@ impl<'d> WeightedDataset<'d> {
 
     fn score_one(&self, model: &Model, record: usize, seed: Option<&Seed>) -> Result<Scored, String> {
         let lane = &self.lanes[record];
-        let mut shown = ObservedSimulation::near(model, lane.record, seed)?;
+        let mut shown = lane.shown_as(model, lane.record, seed)?;
         let nuisances = shown.nuisances(model)?;
         let settled = match seed {
             // A rough look needs no settled start.
@@ -204,12 +206,23 @@ impl<'d> RecordResiduals<'d> {
             weights: Vec::new(),
             channels: Vec::new(),
             seed,
+            steps: 1,
         }
     }
 
     /// A simulation of the record.
     pub fn shown(&self, model: &Model) -> Result<ObservedSimulation<'d>, String> {
-        ObservedSimulation::near(model, self.record, self.seed.as_ref())
+        self.shown_as(model, self.record, self.seed.as_ref())
+    }
+
+    /// A simulation of `record`, which stands for this one, from `seed`.
+    pub fn shown_as<'r>(
+        &self,
+        model: &Model,
+        record: &'r Record,
+        seed: Option<&Seed>,
+    ) -> Result<ObservedSimulation<'r>, String> {
+        Ok(ObservedSimulation::near(model, record, seed)?.in_steps(self.steps))
     }
 
     /// (prediction − measurement) over the channel's standard deviation.

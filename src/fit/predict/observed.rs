@@ -10,6 +10,8 @@ use crate::model::Model;
 pub(crate) struct ObservedSimulation<'r> {
     pub(super) record: &'r Record,
     pub(super) simulation: Box<dyn Simulation + 'r>,
+    /// Steps in place of one, before it is refined.
+    steps: usize,
 }
 
 impl<'r> ObservedSimulation<'r> {
@@ -20,7 +22,7 @@ impl<'r> ObservedSimulation<'r> {
 
     /// As [`ObservedSimulation::new`], starting from `seed`.
     pub fn near(model: &Model, record: &'r Record, seed: Option<&Seed>) -> Result<Self, String> {
-        Ok(Self { record, simulation: regimes::simulation(model, record, seed)? })
+        Ok(Self { record, simulation: regimes::simulation(model, record, seed)?, steps: 1 })
     }
 
     /// As [`Simulation::solution`].
@@ -38,9 +40,16 @@ impl<'r> ObservedSimulation<'r> {
         self.simulation.nuisances(model)
     }
 
+    /// The same in so many steps in place of one.
+    pub fn in_steps(mut self, steps: usize) -> Self {
+        self.steps = steps;
+        self.refine(1);
+        self
+    }
+
     /// As [`Simulation::refine`].
     pub fn refine(&mut self, finer: usize) {
-        self.simulation.refine(finer);
+        self.simulation.refine(finer * self.steps);
     }
 
     /// As [`Simulation::predict`], through the sensors.
