@@ -20,6 +20,50 @@ const TYPES: [(&str, &str); 11] = [
     ("EventInfo", "fmi2EventInfo"),
 ];
 
+/// Those of FMI 3.0.
+const TYPES_OF_FMI3: [(&str, &str); 8] = [
+    ("Handle", "fmi3Instance"),
+    ("StateHandle", "fmi3FMUState"),
+    ("ValueReference", "fmi3ValueReference"),
+    ("Bool", "fmi3Boolean"),
+    ("FmiString", "fmi3String"),
+    ("Byte", "fmi3Byte"),
+    ("LogMessage", "fmi3LogMessageCallback"),
+    ("IntermediateUpdate", "fmi3IntermediateUpdateCallback"),
+];
+
+/// All but those that a macro makes, which only say that there is nothing, and one with callbacks that nobody calls.
+#[test]
+fn functions_of_fmi_3_are_those_of_the_official_headers() {
+    let Some(official) = fmi_headers() else { return skip("there are no FMI headers") };
+    let Some(compiler) = program(&["cc", "gcc", "clang"]) else { return skip("there is no C compiler") };
+    let made = tempfile::tempdir().unwrap();
+    let sources = sources(made.path());
+    let of_fmi3 = sources.iter().filter(|source| text(source).contains("fn fmi3"));
+    let types = TYPES_OF_FMI3.into_iter().chain([("Status", "fmi3Status")]);
+    let builder = builder(of_fmi3, &[]).exclude_item("fmi3InstantiateScheduledExecution");
+    let functions = declared(builder, types);
+    assert_eq!(functions.matches("fmi3Status fmi3").count(), 35, "{functions}");
+    let (header, unit) = (made.path().join("fmu_functions3.h"), made.path().join("unit.c"));
+    std::fs::write(&unit, "#include <fmi3Functions.h>\n#include \"fmu_functions3.h\"\n").unwrap();
+    let compile = |text: &str| {
+        std::fs::write(&header, text).unwrap();
+        let mut command = Command::new(&compiler);
+        command.args(["-std=c11", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-isystem"]).arg(&official);
+        command.arg("-I").arg(made.path()).arg(&unit);
+        command
+    };
+    output_of(&mut compile(&functions));
+    for (from, to) in [
+        ("double *values", "float *values"),
+        ("fmi3Reset(fmi3Instance handle", "fmi3Reset(fmi3Instance handle, int more"),
+    ] {
+        let drifted = functions.replacen(from, to, 1);
+        assert_ne!(drifted, functions);
+        assert!(!compile(&drifted).output().unwrap().status.success(), "{to} was not seen");
+    }
+}
+
 #[test]
 fn functions_of_the_fmu_library_are_those_of_the_official_headers() {
     let Some(official) = fmi_headers() else {
@@ -57,15 +101,19 @@ fn functions_of_the_fmu_library_are_those_of_the_official_headers() {
 
 /// Declarations of the exported functions, with the official names of their types.
 fn functions(sources: &[PathBuf]) -> String {
-    let mut builder = builder(sources.iter().filter(|source| text(source).contains("fn fmi2")), &[]);
-    for (ours, official) in TYPES {
-        builder = builder.rename_item(ours, official).exclude_item(ours);
-    }
+    let builder = builder(sources.iter().filter(|source| text(source).contains("fn fmi2")), &[]);
+    let declared = declared(builder, TYPES);
     // Enumerations come in as plain numbers, which nobody can make invalid; to C they are of another type of the same size.
-    let declared = written(builder);
     let declared =
         declared.replace("int fmu_type", "fmi2Type fmu_type").replace("int kind", "fmi2StatusKind kind");
     declared.replace("int *value", "fmi2Status *value")
+}
+
+/// What `builder` declares, with the official names of types.
+fn declared<'a>(builder: cbindgen::Builder, types: impl IntoIterator<Item = (&'a str, &'a str)>) -> String {
+    let rename =
+        |builder: cbindgen::Builder, (ours, official)| builder.rename_item(ours, official).exclude_item(ours);
+    written(types.into_iter().fold(builder, rename))
 }
 
 /// Types and numbers, each with `fmu_` before its name.
@@ -115,7 +163,11 @@ fn sources(copies: &Path) -> Vec<PathBuf> {
                 let copy = copies.join(format!("{}.rs", found.len()));
                 std::fs::write(
                     &copy,
-                    text(&entry).replace("    ...\n", "").replace("Option<Logger>", "Logger"),
+                    text(&entry)
+                        .replace("    ...\n", "")
+                        .replace("Option<Logger>", "Logger")
+                        .replace("Option<LogMessage>", "LogMessage")
+                        .replace("Option<IntermediateUpdate>", "IntermediateUpdate"),
                 )
                 .unwrap();
                 found.push(copy);
