@@ -1,7 +1,7 @@
 """What every judge is given: an FMU with its reference results.
 
-A judge is a script that imports this file and calls `judge(run)`. It is started by its own interpreter with an FMU as argument and
-prints one line: JUDGED, the result, a remark. `run(case)` steps the FMU through the stimuli and returns the values of outputs by
+A judge is a script that imports this file and calls `judge(run)`. It is started by its own interpreter, with an FMU as its last argument,
+and prints one line: JUDGED, the result, a remark. `run(case)` steps the FMU through the stimuli and returns the values of outputs by
 name, one for each row of the reference but the first; it may raise whatever it likes.
 """
 
@@ -19,24 +19,27 @@ TOLERANCE = 1e-9
 
 
 class Variable:
-    def __init__(self, element):
+    def __init__(self, element, fmi: int):
         self.name = element.get("name")
         self.reference = int(element.get("valueReference"))
         self.causality = element.get("causality")
-        self.type = element[0].tag
+        # FMI 2.0 has the type within the variable.
+        self.type = element[0].tag if fmi == 2 else element.tag
 
 
 class Case:
-    """An FMU, unpacked, with its variables, stimuli and reference results."""
+    """An FMU of FMI 2.0 or 3.0, unpacked, with its variables, stimuli and reference results."""
 
     def __init__(self, fmu: Path, folder: Path):
         self.fmu, self.folder = fmu, folder
         with zipfile.ZipFile(fmu) as archive:
             archive.extractall(folder)
         root = ElementTree.parse(folder / "modelDescription.xml").getroot()
+        self.fmi = int(root.get("fmiVersion")[0])
         self.identifier = root.find("CoSimulation").get("modelIdentifier")
-        self.guid = root.get("guid")
-        self.variables = {v.name: v for v in map(Variable, root.iter("ScalarVariable"))}
+        self.guid = root.get("guid") or root.get("instantiationToken")
+        variables = (Variable(element, self.fmi) for element in root.find("ModelVariables"))
+        self.variables = {variable.name: variable for variable in variables}
         self.stimuli = table(folder / FOLDER / "stimuli.csv")
         self.reference = table(folder / FOLDER / "reference.csv")
         self.times = self.reference.pop("time")
@@ -46,7 +49,7 @@ class Case:
         self.tolerance = float(experiment.get("tolerance"))
 
     def real_outputs(self) -> list[str]:
-        return [name for name in self.reference if self.variables[name].type == "Real"]
+        return [name for name in self.reference if self.variables[name].type in ("Real", "Float64")]
 
     def inputs(self, row: int) -> dict[str, float]:
         """Those that the step which begins at the row takes."""
@@ -75,7 +78,7 @@ def judge(run, remarks=lambda case: []) -> None:
     """Tells what comes of the FMU on the command line. `remarks` returns what else the judge says of it, or raises."""
     with tempfile.TemporaryDirectory() as folder:
         try:
-            case = Case(Path(sys.argv[1]).resolve(), Path(folder))
+            case = Case(Path(sys.argv[-1]).resolve(), Path(folder))
             lines = list(remarks(case))
             found = run(case)
             worst, name = difference(case, found) if found else (0.0, "")
@@ -84,7 +87,7 @@ def judge(run, remarks=lambda case: []) -> None:
             result = "remarks" if lines else "good"
             distance = "bit by bit" if worst == 0.0 else f"within {worst:.0e}"
             compared = f"{len(found)} outputs {distance}" if found else "looks, does not run"
-            remark = "; ".join(lines) or compared
+            remark = "; ".join([*lines, compared])
         except BaseException as error:  # a judge may also end by SystemExit
             traceback.print_exc()
             result, remark = "fails", f"{type(error).__name__}: {error}"

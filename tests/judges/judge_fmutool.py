@@ -13,7 +13,10 @@ def remarks(case):
     if done.returncode != 0:
         raise RuntimeError(f"code {done.returncode}: {done.stderr or done.stdout}")
     said = [line.split("|", 1)[-1].strip() for line in (done.stdout + done.stderr).splitlines()]
-    expected = ["This FMU seems to be compliant with FMI-2.0.", "No semantic error against the FMI-2 standard."]
+    expected = [
+        f"This FMU seems to be compliant with FMI-{case.fmi}.0.",
+        f"No semantic error against the FMI-{case.fmi} standard.",
+    ]
     missing = [f"does not say: {line}" for line in expected if line not in said]
     return missing + [line for line in said if line.startswith(("WARNING", "ERROR"))]
 

@@ -3,17 +3,7 @@
  * COUNT random calls in any order with odd arguments; saved states with changed bytes, which must be refused; threads with an instance each,
  * which must agree bit by bit, before and after the locale has a decimal comma; memory over resets. Prints figures, one row
  * of a table, and ends with 1 where a promise is broken. Deterministic but for the memory. */
-#define _GNU_SOURCE
-#include <dlfcn.h>
-#include <float.h>
-#include <locale.h>
-#include <math.h>
-#include <pthread.h>
-#include <stdarg.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "suite.h"
 
 #include <fmi2FunctionTypes.h>
 
@@ -27,21 +17,8 @@
 #define DECLARE(name) static fmi2##name##TYPE *name;
 FUNCTIONS(DECLARE)
 
-enum { WIDE = 4, THREADS = 4, THREAD_STEPS = 200, ROWS = 60 };
+enum { WIDE = 4, THREAD_STEPS = 200, ROWS = 60 };
 static const char *guid, *resources;
-static uint64_t seed = 0x9e3779b97f4a7c15u;
-
-static uint64_t any(void) {
-    seed ^= seed << 13;
-    seed ^= seed >> 7;
-    seed ^= seed << 17;
-    return seed;
-}
-
-static void fail(const char *what) {
-    printf("%s\n", what);
-    exit(1);
-}
 
 static void quiet(void *environment, fmi2String instance, fmi2Status status, fmi2String category, fmi2String text, ...) {
     (void)environment, (void)instance, (void)category;
@@ -66,16 +43,6 @@ static fmi2Component create(void) {
 static void start(fmi2Component one) {
     if (SetupExperiment(one, fmi2False, 0.0, 0.0, fmi2False, 0.0) || EnterInitializationMode(one) || ExitInitializationMode(one))
         fail("no start");
-}
-
-static double odd_number(void) {
-    static const double numbers[] = {0.0, -0.0, 1.0, -1.0, 1e-6, -3e-5, 100.0, 1e-3, 1e30, -1e300, DBL_MIN, 5e-324};
-    switch (any() % 16) {
-    case 0: return NAN;
-    case 1: return INFINITY;
-    case 2: return -INFINITY;
-    default: return numbers[any() % (sizeof numbers / sizeof *numbers)];
-    }
 }
 
 /* The arguments of one random call. */
@@ -210,61 +177,25 @@ static void corrupted_states(long count) {
 static void *run(void *result) {
     fmi2Component one = create();
     start(one);
-    uint64_t digest = 14695981039346656037u;
+    uint64_t all = NOTHING;
     for (int step = 0; step < THREAD_STEPS; step++) {
         fmi2ValueReference reference = 0;
         double input = 4e-5 * sin(0.05 * step);
         if (SetReal(one, &reference, 1, &input) || DoStep(one, step * 1e-4, 1e-4, fmi2False)) fail("a step in a thread");
         for (fmi2ValueReference row = 0; row < ROWS; row++) {
             double value;
-            uint64_t bits;
-            /* A whole number, or no variable at all. */
-            if (GetReal(one, &row, 1, &value)) continue;
-            memcpy(&bits, &value, sizeof bits);
-            digest = (digest ^ bits) * 1099511628211u;
+            /* Unless it is a whole number, or no variable at all. */
+            if (GetReal(one, &row, 1, &value) == fmi2OK) all = digest(all, value);
         }
     }
     FreeInstance(one);
-    *(uint64_t *)result = digest;
+    *(uint64_t *)result = all;
     return NULL;
 }
 
-static void threads(void) {
-    pthread_t running[THREADS];
-    uint64_t alone, digests[THREADS];
-    run(&alone);
-    /* Where LOCPATH has one with a decimal comma. */
-    const char *point = setlocale(LC_ALL, "comma") ? localeconv()->decimal_point : ".";
-    for (int k = 0; k < THREADS; k++)
-        if (pthread_create(&running[k], NULL, run, &digests[k])) fail("no thread");
-    for (int k = 0; k < THREADS; k++) {
-        pthread_join(running[k], NULL);
-        if (digests[k] != alone) fail("a thread has other numbers");
-    }
-    printf("%d, equal bit by bit, decimal `%s` | ", THREADS, point);
-}
-
-static long resident(void) {
-    long pages = 0, all;
-    FILE *file = fopen("/proc/self/statm", "r");
-    if (file == NULL || fscanf(file, "%ld %ld", &all, &pages) != 2) fail("no memory figures");
-    fclose(file);
-    return pages * 4;
-}
-
-static void memory(long resets) {
-    fmi2Component one = create();
-    long before = 0;
-    for (long k = 0; k < resets; k++) {
-        if (k == resets / 10) before = resident();
-        start(one);
-        if (DoStep(one, 0.0, 1e-5, fmi2False) || Reset(one)) fail("a reset");
-    }
-    long grown = resident() - before;
-    FreeInstance(one);
-    printf("%+ld", grown);
-    /* Few resets are run under valgrind, whose own memory grows. */
-    if (resets > 10000 && grown > 256) fail(" kB grown");
+static void start_step_and_reset(void *one) {
+    start(one);
+    if (DoStep(one, 0.0, 1e-5, fmi2False) || Reset(one)) fail("a reset");
 }
 
 int main(int argc, char **argv) {
@@ -279,8 +210,10 @@ int main(int argc, char **argv) {
     long count = atol(argv[4]);
     random_calls(count);
     corrupted_states(count / 10);
-    threads();
-    memory(count / 5);
+    threads(run);
+    fmi2Component one = create();
+    memory(start_step_and_reset, one, count / 5);
+    FreeInstance(one);
     printf("\n");
     return 0;
 }
