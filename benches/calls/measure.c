@@ -1,5 +1,6 @@
 /* What the calls of an FMU of FMI 2.0 cost: measure LIBRARY GUID RESOURCES STEP OUTPUT [INPUT AMPLITUDE]
-   Prints nanoseconds of fmi2DoStep (inputs held), of fmi2SetReal + fmi2DoStep + fmi2GetReal (input moving), microseconds from
+   Prints nanoseconds of fmi2DoStep (inputs held), of fmi2SetReal + fmi2DoStep + fmi2GetReal (input moving), of
+   fmi2GetDirectionalDerivative of the output by the input after a step (where the FMU has it), microseconds from
    fmi2Instantiate to the end of the initialization and fmi2FreeInstance, and bytes of the heap that an instance takes. Times are the
    shortest and the median of many batches. */
 #define _GNU_SOURCE
@@ -31,6 +32,7 @@ static int (*leave)(void *);
 static int (*set_real)(void *, const unsigned *, size_t, const double *);
 static int (*get_real)(void *, const unsigned *, size_t, double *);
 static int (*do_step)(void *, double, double, int);
+static int (*derive)(void *, const unsigned *, size_t, const unsigned *, size_t, const double *, double *);
 static const char *guid, *resources;
 
 enum { BATCHES = 401, CALLS = 2000, INSTANCES = 400 };
@@ -86,6 +88,7 @@ int main(int count, char **words) {
     FIND(set_real, "fmi2SetReal");
     FIND(get_real, "fmi2GetReal");
     FIND(do_step, "fmi2DoStep");
+    *(void **)&derive = dlsym(library, "fmi2GetDirectionalDerivative");
     guid = words[2], resources = words[3];
     double step = atof(words[4]), value = 0.0, times[BATCHES];
     unsigned output = (unsigned)atoi(words[5]), input = 0;
@@ -113,6 +116,14 @@ int main(int count, char **words) {
         times[batch] = now() - start;
     }
     if (count > 7) tell("moving", times, BATCHES, CALLS);
+    int derives = count > 7 && derive != NULL;
+    for (int batch = 0; derives && batch < BATCHES; batch++) {
+        double start = now(), direction = 1.0;
+        for (int call = 0; derives && call < CALLS; call++)
+            derives = derive(instance, &output, 1, &input, 1, &direction, &value) == 0;
+        times[batch] = now() - start;
+    }
+    if (derives) tell("derivative", times, BATCHES, CALLS);
     release(instance);
 
     for (int batch = 0; batch < BATCHES; batch++) {

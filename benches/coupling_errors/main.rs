@@ -119,8 +119,9 @@ fn main() -> std::io::Result<()> {
          of the displacement at the shaker over 0.1 s, relative to its largest value. \"Extrapolated\" is of first order\n\
          in time, by output derivatives or past values. The order stands for the finest two steps\n\
          whose errors are above 1e-7.\n\n\
-         Laws with corners keep the second order: a corner or a reversal between two communication points is met\n\
-         at a wrong instant by O(H), which is an error of the force of O(H) over a time of O(H).\n\n\
+         Laws with corners keep the second order over many steps: a corner or a reversal between two communication points is met\n\
+         at a wrong instant by O(H), which is an error of the force of O(H) over a time of O(H). From one step to the next the order scatters,\n\
+         as the places of the corners between the points do.\n\n\
          ![errors over the communication step](cosimulation.svg)\n",
     );
     let mut panels = Vec::new();

@@ -139,7 +139,7 @@ impl Instance {
         &mut self,
         unknowns: &[u32],
         knowns: &[u32],
-        direction: impl ExactSizeIterator<Item = Ramp> + Clone,
+        direction: impl ExactSizeIterator<Item = Ramp>,
         change: &mut [f64],
     ) -> Result<(), Error> {
         if self.stage == Stage::Instantiated {
@@ -150,13 +150,16 @@ impl Instance {
         self.check_rows(unknowns, VariableType::Real)?;
         self.check_rows(knowns, VariableType::Real)?;
         self.check_outputs(unknowns)?;
-        for (reference, line) in knowns.iter().zip(direction.clone()) {
+        self.direction.clear();
+        self.direction.resize(self.shared.inputs, Ramp::held(0.0));
+        for (reference, line) in knowns.iter().zip(direction) {
             let variable = &self.shared.description.variables[*reference as usize];
             let name = || variable.name.to_string();
-            if variable.causality != Causality::Input {
+            let Some(sum) = self.direction.get_mut(*reference as usize) else {
                 let reason = "outputs are differentiated by inputs, and it is none";
                 return Err(Error::NoDerivative { name: name(), reason });
-            }
+            };
+            *sum = Ramp::line(sum.start + line.start, sum.end + line.end);
             for value in [line.start, line.end] {
                 if !within_bounds(value) {
                     return Err(Error::DerivativeValue { name: name(), value, most: LARGEST_INPUT });
@@ -165,12 +168,6 @@ impl Instance {
         }
         self.refresh()?;
         self.rates.resize(self.shared.outputs, 0.0);
-        self.direction.clear();
-        self.direction.resize(self.shared.inputs, Ramp::held(0.0));
-        for (reference, line) in knowns.iter().zip(direction) {
-            let sum = &mut self.direction[*reference as usize];
-            *sum = Ramp::line(sum.start + line.start, sum.end + line.end);
-        }
         let (state, direction) = (&self.state, &self.direction);
         let tolerance = self.asked.tolerance;
         let changes = self.behaviour.sensitivity(state, unknowns, direction, tolerance, &mut self.rates);

@@ -282,16 +282,23 @@ impl ContactBehaviour {
     /// The `change` of the force where all inputs ran straight from where they had ended, which are most steps: what was
     /// remembered before does not change, and the tangents of the step tell it. False, and nothing done, of another step.
     fn follows_straight(&mut self, state: &[f64], direction: &[Ramp], change: &mut [f64]) -> bool {
-        let (law, rules, room) = self.with_room();
-        let memory = room.next.len();
+        let memory = self.law.state_len();
         let Some(ends) = Lines::straight_ends::<INPUTS>(&state[1 + 2 * memory..]) else { return false };
         let (_, before) = halves(state, memory);
-        let inputs = rules.load.inputs(|input| ends[input]);
-        let tangents = law.step(&state[before], inputs, &mut room.next).tangents;
+        let (before, inputs) = (&state[before], self.rules.load.inputs(|input| ends[input]));
+        let closed = match &self.law {
+            AnyLaw::Jenkins(law) => law.step_closed(before, inputs, &mut [0.0; 3]),
+            _ => None,
+        };
+        let response = closed.unwrap_or_else(|| {
+            let (law, _, room) = self.with_room();
+            law.step(before, inputs, &mut room.next)
+        });
+        let Tangents { displacement, velocity, normal_load } = response.tangents;
         change.fill(0.0);
-        change[FORCE - INPUTS] = tangents.displacement * direction[DISPLACEMENT].end
-            + tangents.velocity * direction[VELOCITY].end
-            + tangents.normal_load * rules.load.gain() * direction[NORMAL_LOAD].end;
+        change[FORCE - INPUTS] = displacement * direction[DISPLACEMENT].end
+            + velocity * direction[VELOCITY].end
+            + normal_load * self.rules.load.gain() * direction[NORMAL_LOAD].end;
         true
     }
 
