@@ -28,4 +28,4 @@ pub use slave::{
     Abilities, Causality, Kind, NativeSlave, Setup, Severity, Slave, SlaveError, Source, Stepped, Variable,
 };
 pub use system::power::EnergyResidual;
-pub use system::{Connection, InputRule, Port, PowerConnection, System, SystemError};
+pub use system::{Connection, InputRule, Port, PowerConnection, System, SystemError, Unwatched};

@@ -114,3 +114,61 @@ fn truths_are_mapped_to_truths_and_nothing_else_is() {
     }
     assert!(system().connect(("one", "y"), ("other", "u"), 2.0, 0.0).is_err());
 }
+
+/// A mass of 1 kg on a spring of 1 N/m that a stiffer spring holds, as slaves that exchange force and displacement.
+fn sprung(units: [&str; 2], stiffness: f64) -> System {
+    let [m, n] = units;
+    let matrices: [&[f64]; 4] = [&[0.0, 1.0, -1.0, -0.1], &[0.0, 1.0], &[1.0, 0.0], &[0.0]];
+    let mass = Linear::new("mass", &[("f", n)], &[("x", m)], matrices, &[1.0, 0.0]);
+    let spring = Linear::new("spring", &[("x", m)], &[("f", n)], [&[], &[], &[], &[-stiffness]], &[]);
+    let mut system = System::new();
+    system.add(mass.boxed()).unwrap();
+    system.add(spring.boxed()).unwrap();
+    system.connect(("mass", "x"), ("spring", "x"), 1.0, 0.0).unwrap();
+    system.connect(("spring", "f"), ("mass", "f"), 1.0, 0.0).unwrap();
+    system
+}
+
+#[test]
+fn a_coupling_without_units_is_told_and_so_is_that_its_steps_are_too_long() {
+    let run = |units, algorithm: Algorithm, step: f64| {
+        let settings = Settings::new(algorithm, step, 60.0 * step);
+        record(sprung(units, 3.0), settings).unwrap().1
+    };
+    let strong = || Algorithm::Strong(Strong::default());
+    let extrapolated = || Algorithm::Jacobi { extrapolation: 1 };
+    for units in [["", ""], ["V", "A"]] {
+        for (algorithm, step, unresolved) in [
+            // Oscillations of 3 s that grow, and those of 60 steps a period.
+            (JACOBI, 1.0, true),
+            (extrapolated(), 1.0, true),
+            (GAUSS_SEIDEL, 1.5, true),
+            (JACOBI, 0.05, false),
+            (extrapolated(), 0.05, false),
+            (strong(), 1.0, false),
+        ] {
+            let report = run(units, algorithm.clone(), step);
+            let [coupling] = &report.unwatched[..] else { panic!("{report:?}") };
+            assert_eq!(
+                (&coupling.slaves, coupling.units),
+                (&["mass", "spring"].map(str::to_owned), !units[0].is_empty())
+            );
+            assert_eq!(coupling.is_unresolved(), unresolved, "{algorithm:?} {step}: {coupling:?}");
+            assert!(!unresolved || ["mass.f", "spring.x"].contains(&&*coupling.input), "{coupling:?}");
+        }
+    }
+    // Units tell of the energy, and so does a declaration.
+    assert!(run(["m", "N"], JACOBI, 0.05).unwatched.is_empty());
+    let mut declared = sprung(["", ""], 3.0);
+    declared.declare_power(("mass", "f"), ("spring", "x")).unwrap();
+    assert!(record(declared, Settings::new(JACOBI, 0.05, 1.0)).unwrap().1.unwatched.is_empty());
+}
+
+#[test]
+fn what_only_feeds_another_is_no_coupling() {
+    let mut system = System::new();
+    system.add(native("beam", BEAM)).unwrap();
+    system.add(Box::new(Source::new("shaker", "force", "", |time| (40.0 * time).sin()))).unwrap();
+    system.connect(("shaker", "force"), ("beam", "excitation"), 1.0, 0.0).unwrap();
+    assert!(record(system, Settings::new(JACOBI, 1e-2, 1.0)).unwrap().1.unwatched.is_empty());
+}

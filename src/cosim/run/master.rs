@@ -119,6 +119,7 @@ impl Master {
         let result = self.simulate(&mut observer);
         self.terminate(result.as_ref().err());
         self.report.energy = std::mem::take(&mut self.engine.energy.residuals);
+        self.report.unwatched = self.engine.mismatches.found();
         self.report.limits = self.limits.into_iter().collect();
         self.report.limits.sort_by_key(|(_, steps)| std::cmp::Reverse(*steps));
         match result {

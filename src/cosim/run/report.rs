@@ -1,6 +1,7 @@
 //! The report of a run, and why it ended.
 
 use crate::cosim::slave::{Severity, SlaveError};
+use crate::cosim::system::Unwatched;
 use crate::cosim::system::power::EnergyResidual;
 
 /// The results of a run besides the values at its communication points.
@@ -25,6 +26,8 @@ pub struct Report {
     pub examples: Vec<Unconverged>,
     /// One for each power connection.
     pub energy: Vec<EnergyResidual>,
+    /// Couplings of two slaves whose energy residual is not known.
+    pub unwatched: Vec<Unwatched>,
     /// Notes: what slaves cannot do, and how this changes the accuracy.
     pub notes: Vec<String>,
     /// The observer ended it.

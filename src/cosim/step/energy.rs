@@ -12,11 +12,19 @@ pub(in crate::cosim) struct Place {
     channel: usize,
     source: usize,
     factor: f64,
+    offset: f64,
 }
 
 impl Place {
     pub fn new((unit, number): (usize, usize), channel: &Channel) -> Self {
-        Self { unit, channel: number, source: channel.source, factor: channel.factor }
+        let Channel { source, factor, offset, .. } = *channel;
+        Self { unit, channel: number, source, factor, offset }
+    }
+
+    /// The value that the input has from its source at the end of the step, and the one that it was given for it.
+    pub fn ended(&self, units: &[Unit], signals: &Signals) -> (f64, f64) {
+        let value = self.factor * signals.next[self.source] + self.offset;
+        (value, units[self.unit].end[self.channel])
     }
 
     fn ends(&self, units: &[Unit], signals: &Signals, plain: bool) -> Ends {

@@ -3,6 +3,7 @@
 use super::energy::{Energy, Place};
 use super::iteration::{Assumption, LoopStep};
 use super::level::{Level, StepFrame, Trouble};
+use super::mismatch::Mismatches;
 use super::notes::InputCoupling;
 use super::signals::Signals;
 use super::solve::{Solved, Solver};
@@ -39,6 +40,7 @@ pub(in crate::cosim) struct Engine {
     pub units: Vec<Unit>,
     pub signals: Signals,
     pub energy: Energy,
+    pub mismatches: Mismatches,
     /// The unit of each slave, in the order of the system.
     pub unit_of: Vec<usize>,
     /// Signals that are reported.
@@ -70,6 +72,7 @@ impl Engine {
             Some(Place::new(*place, &wiring.channels[port.slave][place.1]))
         };
         let energy = Energy::new(&system, &system.power_connections(), place);
+        let mismatches = Mismatches::new(&system, place);
         let Wiring { order: slaves, read, first, channels, assumptions, real, derivative_order, .. } = wiring;
         let (mut levels, mut start) = (Vec::new(), 0);
         for slaves in &schedule.levels {
@@ -105,7 +108,7 @@ impl Engine {
         };
         let derived = (0..units.len()).filter(|unit| !plain && wants(&units[*unit])).collect();
         let signals = Signals::new(real, derivative_order);
-        Self { units, signals, energy, unit_of, reported, order, levels, blocks, plain, derived }
+        Self { units, signals, energy, mismatches, unit_of, reported, order, levels, blocks, plain, derived }
     }
 
     /// Saves every slave at the beginning of a step.
@@ -163,6 +166,7 @@ impl Engine {
     /// Takes the step tried last as done.
     pub fn accept(&mut self, step: f64) -> Result<(), SlaveError> {
         self.energy.accept(step);
+        self.mismatches.accept(&self.units, &self.signals);
         self.units.iter_mut().for_each(Unit::accept);
         self.signals.accept(step);
         self.signals.sloped = true;

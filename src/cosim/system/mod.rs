@@ -1,11 +1,14 @@
 //! What is coupled to what: slaves, connections, start values, power connections; checked when they are made.
 //!
-//! ports.rs: variables of slaves and what is between them; power.rs: the power that passes, and the energy residual.
+//! ports.rs: variables of slaves and what is between them; power.rs: the power that passes, and the energy residual; unwatched.rs: where
+//! none is known.
 
 mod ports;
 pub(in crate::cosim) mod power;
+mod unwatched;
 
 pub use ports::{Connection, Port, PowerConnection};
+pub use unwatched::Unwatched;
 
 use crate::cosim::slave::{Causality, Kind, Slave, Variable};
 

@@ -183,7 +183,7 @@ fn run(command: Command) -> Result<u8, Failure> {
         Command::Rig(command) => command.run().map(|()| 0),
         Command::Export(command) => command.run().map(|()| 0),
         Command::Fmu(command) => command.run().map(|()| 0),
-        Command::Simulate(command) => command.run(),
+        Command::Simulate(command) => command.run().map(|()| 0),
         Command::Completions(command) => command.run(Cli::command()).map(|()| 0),
         Command::Man(command) => command.run(Cli::command()).map(|()| 0),
         Command::ServeFmu(command) => command.run().map(|()| 0),

@@ -55,6 +55,9 @@ pub enum Problem {
         /// Which encoding it probably is.
         guess: &'static str,
     },
+    /// An XML file whose declaration names an encoding that is not known.
+    #[error("the encoding `{0}`, which the file declares, is not read")]
+    Encoding(String),
     /// A TOML file that says something it must not.
     #[error("{}", .0.message)]
     Document(DocumentError),
@@ -168,6 +171,9 @@ impl Problem {
         let help = match self {
             Problem::NotUtf8 { guess } => {
                 format!("it looks like {guess}; save the file as UTF-8 (µ is then two bytes)")
+            }
+            Problem::Encoding(_) => {
+                "UTF-8, UTF-16, ISO-8859-1 to -16, US-ASCII, Windows-125x and other encodings of the web are read".into()
             }
             Problem::Document(error) => return error.help.clone(),
             Problem::Import { help, .. } => help.clone(),

@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE};
 use stickslip::document::DocumentError;
 
 use crate::bounded;
@@ -20,23 +21,25 @@ impl Source {
         Source::from_bytes(path, bounded::read(path)?)
     }
 
-    /// An XML file, which may be UTF-16 too.
+    /// An XML file, in the encoding that it shows or declares.
     pub(crate) fn read_xml(path: &Path) -> Result<Self, InputError> {
         Source::from_xml_bytes(path, bounded::read(path)?)
     }
 
     /// As [`Source::read_xml`], of its bytes.
     pub(crate) fn from_xml_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, InputError> {
-        let unit: fn([u8; 2]) -> u16 = match bytes[..] {
-            [0xff, 0xfe, ..] => u16::from_le_bytes,
-            [0xfe, 0xff, ..] => u16::from_be_bytes,
-            _ => return Source::from_bytes(path, bytes),
+        let encoding = match encoding(&bytes[..bytes.len().min(HEAD)]) {
+            Ok(encoding) if encoding == UTF_8 => return Source::from_bytes(path, bytes),
+            Ok(encoding) => encoding,
+            Err(name) => {
+                let excerpt = Some(excerpt(&String::from_utf8_lossy(&bytes), 0..0));
+                let problem = Box::new(Problem::Encoding(name));
+                return Err(InputError { path: path.to_owned(), excerpt, problem });
+            }
         };
-        let (pairs, odd) = bytes[2..].as_chunks();
-        let text = char::decode_utf16(pairs.iter().map(|pair| unit(*pair))).collect::<Result<String, _>>();
-        match text {
-            Ok(text) if odd.is_empty() => Ok(Source { path: path.to_owned(), text }),
-            _ => Source::from_bytes(path, bytes),
+        match encoding.decode_with_bom_removal(&bytes) {
+            (text, false) => Ok(Source { path: path.to_owned(), text: text.into_owned() }),
+            (_, true) => Source::from_bytes(path, bytes),
         }
     }
 
@@ -78,6 +81,41 @@ impl Source {
     pub(crate) fn document_error(&self, error: DocumentError) -> InputError {
         self.error(error.span.clone().unwrap_or(0..0), Problem::Document(error))
     }
+}
+
+/// Bytes in which the declaration of an XML file ends.
+pub(crate) const HEAD: usize = 256;
+
+/// The encoding of the XML file that begins with `head`: by its byte order mark, its first letter or its declaration.
+///
+/// # Errors
+/// The name of an encoding that is not known.
+pub(crate) fn encoding(head: &[u8]) -> Result<&'static Encoding, String> {
+    let declared = match head {
+        [0xff, 0xfe, ..] | [b'<', 0, ..] => return Ok(UTF_16LE),
+        [0xfe, 0xff, ..] | [0, b'<', ..] => return Ok(UTF_16BE),
+        // Not what begins with the byte order mark of UTF-8.
+        [b'<', ..] => declared(head),
+        _ => None,
+    };
+    let Some(name) = declared else { return Ok(UTF_8) };
+    match Encoding::for_label_no_replacement(name) {
+        // Its declaration could not be read if it were.
+        Some(encoding) if [UTF_16LE, UTF_16BE].contains(&encoding) => Ok(UTF_8),
+        Some(encoding) => Ok(encoding),
+        None => Err(String::from_utf8_lossy(name).into_owned()),
+    }
+}
+
+/// The encoding that an XML declaration names.
+fn declared(head: &[u8]) -> Option<&[u8]> {
+    const NAME: &[u8] = b"encoding";
+    let declaration = head.strip_prefix(b"<?xml")?;
+    let end = declaration.windows(2).position(|pair| pair == b"?>")?;
+    let at = declaration[..end].windows(NAME.len()).position(|word| word == NAME)?;
+    let value = declaration[at + NAME.len()..end].trim_ascii_start().strip_prefix(b"=")?.trim_ascii_start();
+    let (quote, rest) = value.split_first()?;
+    rest.split(|byte| byte == quote).next()
 }
 
 fn not_utf8(path: &Path, bytes: &[u8], wrong: usize) -> InputError {

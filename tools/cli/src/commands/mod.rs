@@ -43,7 +43,14 @@ use crate::{Failure, LoneFile, ResultFiles};
 
 /// Reads a model file, or the model inside an FMU that this program exported; the failure points at the line.
 fn read_model(path: &Path) -> Result<Model, Failure> {
-    if path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu")) {
+    let is_a = |kind: &str| path.extension().is_some_and(|end| end.eq_ignore_ascii_case(kind));
+    if path.is_file() && (is_a("ssp") || is_a("ssd")) {
+        return Err(Failure::input(format!(
+            "{} is a system of FMUs (SSP), and no model; `stickslip simulate` runs it",
+            path.display()
+        )));
+    }
+    if is_a("fmu") {
         let failed = |reason: String| Failure::input(format!("{}: {reason}", path.display()));
         let bytes = std::fs::read(path).map_err(|error| failed(error.to_string()))?;
         let text =

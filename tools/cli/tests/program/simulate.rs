@@ -291,6 +291,29 @@ fn bad_input_is_reported_with_names_and_nothing_is_written() {
 }
 
 #[test]
+fn a_run_that_explodes_is_told_on_standard_error() {
+    let folder = systems();
+    let run =
+        ["simulate", "BeamWithJenkins.ssp", "--stop", "0.2", "--step", "1e-3", "--algorithm", "jacobi", "-q"];
+    let (out, errors) = ended(folder.path(), 1, &run);
+    assert!(
+        out.is_empty() && errors.starts_with("error: ") && errors.contains("explodes"),
+        "{out}\n{errors}"
+    );
+}
+
+#[test]
+fn a_system_is_no_model() {
+    let folder = systems();
+    for arguments in
+        [&["export", "BeamWithJenkins.ssp", "-o", "x.fmu"][..], &["check", "BeamWithJenkins.ssp"]]
+    {
+        let (_, errors) = ended(folder.path(), 2, arguments);
+        assert!(errors.contains("system of FMUs") && errors.contains("stickslip simulate"), "{errors}");
+    }
+}
+
+#[test]
 fn two_contacts_on_one_beam_share_it_and_take_its_energy() {
     let folder = tempfile::tempdir().unwrap();
     ended(folder.path(), 0, &["fmu", "BeamWithTwoContacts"]);

@@ -36,10 +36,24 @@ fn an_fmu_that_is_not_of_this_program_crashes_alone_and_results_so_far_are_kept(
 }
 
 #[test]
+fn what_ends_a_run_early_is_told_on_standard_error_also_to_the_quiet() {
+    let (folder, _file) = unruly::file();
+    for behaviour in ["3", "4", "5", "12"] {
+        let (quiet, error) = unruly_ended(folder.path(), 1, behaviour, &["-q"]);
+        assert_eq!((quiet.as_str(), error.lines().count()), ("", 1), "{error}");
+        assert!(error.starts_with("error: at 0.4 s: ") && error.contains("nruly"), "{error}");
+        let (out, errors) = unruly_ended(folder.path(), 1, behaviour, &[]);
+        assert!(out.contains("ended early") && errors.contains(error.trim()), "{out}\n{errors}");
+    }
+}
+
+#[test]
 fn an_fmu_in_this_process_that_calls_exit_is_no_success() {
     let (folder, _file) = unruly::file();
-    let (_, errors) = unruly_ended(folder.path(), 1, "11", &["--no-isolate"]);
-    assert!(errors.contains("`exit`") && errors.contains("nothing was written"), "{errors}");
+    for quiet in [&["--no-isolate"][..], &["--no-isolate", "-q"]] {
+        let (_, errors) = unruly_ended(folder.path(), 1, "11", quiet);
+        assert!(errors.contains("`exit`") && errors.contains("nothing was written"), "{quiet:?} {errors}");
+    }
     assert!(!folder.path().join("r.csv").exists());
 }
 
@@ -66,24 +80,61 @@ fn nothing_temporary_is_left_after_a_crash() {
     }
 }
 
+/// A system of two of them, called `one` and `other`, with a type of `one.y`, and these connections.
+fn two_of_them(declared: &str, connections: &str) -> String {
+    let component = |name: &str, declared: &str| {
+        format!(
+            "<Component name=\"{name}\" source=\"Unruly.fmu\"><Connectors><Connector name=\"u\" kind=\"input\"/>\
+             <Connector name=\"y\" kind=\"output\">{declared}</Connector></Connectors></Component>"
+        )
+    };
+    format!(
+        "<SystemStructureDescription version=\"1.0\" name=\"s\"><System name=\"s\"><Elements>{}{}</Elements>\
+         <Connections>{connections}</Connections></System></SystemStructureDescription>",
+        component("one", declared),
+        component("other", "")
+    )
+}
+
+const THERE: &str =
+    "<Connection startElement=\"one\" startConnector=\"y\" endElement=\"other\" endConnector=\"u\"/>";
+const BACK: &str =
+    "<Connection startElement=\"other\" startConnector=\"y\" endElement=\"one\" endConnector=\"u\"/>";
+
+#[test]
+fn a_coupling_without_units_is_a_note_everywhere() {
+    let (folder, _file) = unruly::file();
+    fs::write(folder.path().join("s.ssd"), two_of_them("", &[THERE, BACK].concat())).unwrap();
+    let run =
+        ["simulate", "s.ssd", "--stop", "1", "--step", "0.1", "--algorithm", "jacobi", "--report", "r.html"];
+    let note = "coupling of one and other is not watched: their units do not tell which force and motion belong together; give --power";
+    let (out, _) = ended(folder.path(), 0, &[&run[..], &["--out", "r.json"]].concat());
+    assert!(out.split_whitespace().collect::<Vec<_>>().join(" ").contains(note), "{out}");
+    for file in ["r.json", "r.html"] {
+        assert!(fs::read_to_string(folder.path().join(file)).unwrap().contains(note), "{file}");
+    }
+    let (out, _) = ended(folder.path(), 0, &[&run[..], &["--power", "one.u=other.u"]].concat());
+    assert!(!out.contains("not watched"), "{out}");
+}
+
+#[test]
+fn a_connector_of_another_type_than_its_variable_is_refused() {
+    let (folder, _file) = unruly::file();
+    for (declared, code) in [("Real", 0), ("Boolean", 2), ("Integer", 2), ("String", 2)] {
+        fs::write(folder.path().join("s.ssd"), two_of_them(&format!("<{declared}/>"), THERE)).unwrap();
+        let arguments = ["simulate", "s.ssd", "--stop", "1", "--step", "0.1"];
+        let (_, errors) = ended(folder.path(), code, &arguments);
+        let told = ["s.ssd:1", "`one.y`", &format!("declared {declared}"), "is Real"];
+        assert_eq!(told.iter().all(|part| errors.contains(part)), code == 2, "{declared}: {errors}");
+    }
+}
+
 #[test]
 fn a_mapping_of_booleans_between_real_variables_is_refused() {
     let (folder, _file) = unruly::file();
-    let component = |name: &str| {
-        format!(
-            "<Component name=\"{name}\" source=\"Unruly.fmu\"><Connectors><Connector name=\"u\" kind=\"input\"/>\
-             <Connector name=\"y\" kind=\"output\"/></Connectors></Component>"
-        )
-    };
-    let system = format!(
-        "<SystemStructureDescription version=\"1.0\" name=\"s\"><System name=\"s\"><Elements>{}{}</Elements>\
-         <Connections><Connection startElement=\"one\" startConnector=\"y\" endElement=\"other\" endConnector=\"u\">\
-         <BooleanMappingTransformation><MapEntry source=\"true\" target=\"false\"/></BooleanMappingTransformation>\
-         </Connection></Connections></System></SystemStructureDescription>",
-        component("one"),
-        component("other")
-    );
-    fs::write(folder.path().join("s.ssd"), system).unwrap();
+    let mapping = "><BooleanMappingTransformation><MapEntry source=\"true\" target=\"false\"/></BooleanMappingTransformation>\
+                   </Connection>";
+    fs::write(folder.path().join("s.ssd"), two_of_them("", &THERE.replace("/>", mapping))).unwrap();
     let arguments = ["simulate", "s.ssd", "--stop", "1", "--step", "0.1", "--out", "r.csv"];
     let (_, errors) = ended(folder.path(), 2, &arguments);
     assert!(errors.contains("BooleanMapping") && errors.contains("`one.y`"), "{errors}");

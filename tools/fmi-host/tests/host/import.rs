@@ -31,6 +31,15 @@ fn described(change: impl Fn(&str) -> String) -> Vec<u8> {
 }
 
 #[test]
+fn a_description_in_latin_1_is_read_as_the_same() {
+    let binary = format!("binaries/{}/Unruly.so", platforms()[0]);
+    let text = DESCRIPTION.replace("\"UTF-8\"", "\"ISO-8859-1\"").replace("name=\"y\"", "name=\"Größe µ\"");
+    let latin: Vec<u8> = text.chars().map(|letter| u8::try_from(letter).unwrap()).collect();
+    let fmu = opened(&archive(&[("modelDescription.xml", &latin), (&binary, b"no library")])).unwrap();
+    assert!(fmu.description().position("Größe µ").is_some());
+}
+
+#[test]
 fn every_cut_of_an_archive_is_refused() {
     let whole = described(str::to_owned);
     assert!(opened(&whole).is_ok());

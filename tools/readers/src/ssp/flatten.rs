@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use super::known::TYPES;
 use super::parse::{Files, resolve, transformation};
 use super::route::{Hop, Route};
-use super::{Component, Connection, End, SspProblem, SystemInput, SystemOutput, unit_called};
+use super::{Component, Connection, DeclaredType, End, SspProblem, SystemInput, SystemOutput, unit_called};
 use crate::error::InputError;
 use crate::units::Unit;
 use crate::xml::{Element, XmlFile};
@@ -108,10 +109,17 @@ impl<'e> Flat<'e> {
         let file = resolve(self.files, self.file, element, &source)?;
         let place = self.file.place(element);
         self.connectors_of(element, &name, Some(self.components.len()))?;
-        let own = self.connectors.iter().filter(|(key, _)| key.0 == name);
-        let units = own.filter_map(|(key, one)| Some((key.1.clone(), one.unit.clone()?))).collect();
-        self.components.push(Component { name, file, source, units, place });
+        let own = || self.connectors.iter().filter(|(key, _)| key.0 == name);
+        let units = own().filter_map(|(key, one)| Some((key.1.clone(), one.unit.clone()?))).collect();
+        let types = own().filter_map(|(key, one)| self.declared(&key.1, one.element)).collect();
+        self.components.push(Component { name, file, source, units, types, place });
         Ok(())
+    }
+
+    /// The type that the connector `variable` declares.
+    fn declared(&self, variable: &str, connector: &Element) -> Option<DeclaredType> {
+        let name = TYPES.into_iter().find(|name| connector.child(name).is_some())?;
+        Some(DeclaredType { variable: variable.to_owned(), name, place: self.file.place(connector) })
     }
 
     fn connectors_of(

@@ -53,8 +53,8 @@ impl SystemStructure {
     pub fn single(name: &str, file: &Path) -> Self {
         let source = file.display().to_string();
         let place = source.clone();
-        let (name, file, units) = (name.to_owned(), file.to_owned(), Vec::new());
-        let component = Component { name: name.clone(), file, source, units, place };
+        let (name, file, units, types) = (name.to_owned(), file.to_owned(), Vec::new(), Vec::new());
+        let component = Component { name: name.clone(), file, source, units, types, place };
         Self {
             name,
             components: vec![component],
@@ -81,7 +81,20 @@ pub struct Component {
     pub source: String,
     /// Connectors with the units they declare.
     pub units: Vec<(String, Unit)>,
+    /// Connectors with the types they declare.
+    pub types: Vec<DeclaredType>,
     /// `file:line` where it is described.
+    pub place: String,
+}
+
+/// The type that a connector of a component declares.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DeclaredType {
+    /// Name of the connector, which is the name of a variable of the FMU.
+    pub variable: String,
+    /// `Real`, `Integer`, `Boolean`, `String`, `Enumeration` or `Binary`.
+    pub name: &'static str,
+    /// `file:line` where it is declared.
     pub place: String,
 }
 

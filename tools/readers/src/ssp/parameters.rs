@@ -1,5 +1,7 @@
 //! Parameter bindings: sets of values, mapped to the variables of components.
 
+use std::collections::BTreeSet;
+
 use super::flatten::{Flat, inside};
 use super::known::check_known;
 use super::parse::{check_version, resolve, transformation};
@@ -70,6 +72,7 @@ impl Collector<'_, '_> {
             Some(uri) => {
                 let set = self.outer(binding, uri)?;
                 let root = set.root("ParameterSet")?;
+                check_version(&set, root)?;
                 check_known(&set, root, self.remarks)?;
                 values(&set, root, None)?
             }
@@ -209,7 +212,21 @@ fn values(file: &XmlFile, set: &Element, outer: Option<&Element>) -> Result<Vec<
         };
         Ok(Given { name, value, unit, place: file.place(parameter) })
     };
+    check_once(file, set)?;
     set.list("Parameters", "Parameter").map(value).collect()
+}
+
+/// Each parameter of a set has a name of its own.
+fn check_once(file: &XmlFile, set: &Element) -> Result<(), InputError> {
+    let mut names = BTreeSet::new();
+    for parameter in set.list("Parameters", "Parameter") {
+        let name = file.required(parameter, "name")?;
+        if !names.insert(name) {
+            let problem = SspProblem::Twice { what: "the parameter", name: name.to_owned() };
+            return Err(file.error(parameter, problem));
+        }
+    }
+    Ok(())
 }
 
 /// A value, and the name of its unit.

@@ -16,7 +16,7 @@ pub enum SspProblem {
     /// Two things of one name.
     #[error("{what} `{name}` is listed twice")]
     Twice {
-        /// `the element`, `the connector`.
+        /// `the element`, `the connector`, `the parameter`.
         what: &'static str,
         /// The name.
         name: String,
@@ -75,6 +75,29 @@ pub enum SspProblem {
         parent: String,
         /// What may be meant.
         meant: Option<&'static str>,
+    },
+    /// An attribute of an element of the standard that the standard does not have.
+    #[error(
+        "SSP has no attribute `{attribute}` of {element}{}",
+        .meant.map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"))
+    )]
+    UnknownAttribute {
+        /// Its name.
+        attribute: String,
+        /// What has it.
+        element: String,
+        /// What may be meant.
+        meant: Option<&'static str>,
+    },
+    /// An element of the standard in another namespace than its own.
+    #[error("{element} belongs to the namespace `{right}`, not to `{found}`")]
+    Namespace {
+        /// Its name.
+        element: String,
+        /// Where it is.
+        found: String,
+        /// Where it should be.
+        right: String,
     },
     /// A mapping of truths where numbers flow.
     #[error("a BooleanMappingTransformation cannot be applied to `{0}`, which is no Boolean")]

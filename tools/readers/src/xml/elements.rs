@@ -5,10 +5,10 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use quick_xml::events::{BytesStart, Event};
-use quick_xml::name::ResolveResult;
+use quick_xml::name::{NamespaceResolver, ResolveResult};
 use quick_xml::{NsReader, XmlVersion};
 
-use super::{Element, XmlProblem};
+use super::{Attribute, Element, XmlProblem};
 
 /// No format that is read here nests anywhere near as deep.
 const DEEPEST: usize = 200;
@@ -63,9 +63,8 @@ impl<'t> Elements<'t> {
             let empty = matches!(read, Event::Empty(_));
             let ended = match read {
                 Event::Start(tag) | Event::Empty(tag) => {
-                    let resolved = self.reader.resolver().resolve_element(tag.name()).0;
-                    let namespace = self.namespaces.shared(resolved);
-                    let mut element = element(&tag, namespace, start..end).map_err(malformed)?;
+                    let element = element(&tag, self.reader.resolver(), &mut self.namespaces, start..end);
+                    let mut element = element.map_err(malformed)?;
                     let left = !empty && self.left.is_some_and(|left| left == element.name);
                     if left {
                         let span = self.reader.read_to_end_into(tag.name(), &mut skipped);
@@ -120,16 +119,26 @@ impl Namespaces {
     }
 }
 
-fn element(tag: &BytesStart<'_>, namespace: Option<Arc<str>>, span: Range<usize>) -> Result<Element, String> {
-    let attributes = tag
-        .attributes()
-        .map(|attribute| {
-            let attribute = attribute.map_err(|error| error.to_string())?;
-            let value =
-                attribute.normalized_value(XmlVersion::Implicit1_0).map_err(|error| error.to_string())?;
-            Ok((attribute.key.local_name().as_ref().to_owned(), value.into_owned()))
-        })
-        .collect::<Result<_, String>>()?;
+fn element(
+    tag: &BytesStart<'_>,
+    resolver: &NamespaceResolver,
+    namespaces: &mut Namespaces,
+    span: Range<usize>,
+) -> Result<Element, String> {
+    let mut attributes = Vec::new();
+    for attribute in tag.attributes() {
+        let attribute = attribute.map_err(|error| error.to_string())?;
+        let value = attribute.normalized_value(XmlVersion::Implicit1_0).map_err(|error| error.to_string())?;
+        // A declaration of a namespace is no attribute.
+        if attribute.key.as_namespace_binding().is_none() {
+            let (resolved, name) = resolver.resolve_attribute(attribute.key);
+            let prefix = attribute.key.prefix().map(|prefix| Arc::from(prefix.as_ref()));
+            let (name, value) = (name.as_ref().to_owned(), value.into_owned());
+            let namespace = namespaces.shared(resolved).or(prefix);
+            attributes.push(Attribute { name, value, namespace });
+        }
+    }
+    let namespace = namespaces.shared(resolver.resolve_element(tag.name()).0);
     let name = tag.local_name().as_ref().to_owned();
     Ok(Element { name, namespace, attributes, children: Vec::new(), span, left: 0..0 })
 }

@@ -10,12 +10,13 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::{Arc, OnceLock};
 
+use encoding_rs::UTF_8;
 use thiserror::Error;
 
 use elements::{Elements, tree};
 
 use crate::error::{InputError, Problem};
-use crate::source::Source;
+use crate::source::{HEAD, Source, encoding};
 
 /// What can be wrong with an XML file.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -124,18 +125,27 @@ fn unread(error: &io::Error) -> Problem {
 pub struct Element {
     name: String,
     namespace: Option<Arc<str>>,
-    attributes: Vec<(String, String)>,
+    attributes: Vec<Attribute>,
     children: Vec<Element>,
     span: Range<usize>,
     /// Where its items are, if they were left in the text.
     left: Range<usize>,
 }
 
+/// An attribute of an element.
+#[derive(Debug, Clone, PartialEq)]
+struct Attribute {
+    name: String,
+    value: String,
+    /// The namespace that its prefix stands for, or the prefix where it stands for none; absent without a prefix.
+    namespace: Option<Arc<str>>,
+}
+
 impl XmlFile {
     /// Reads the file at `path`.
     ///
     /// # Errors
-    /// A file that cannot be read, is neither UTF-8 nor UTF-16, or not well-formed.
+    /// A file that cannot be read, is not in the encoding that it declares, or not well-formed.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         Self::parse(Source::read_xml(path)?, None)
     }
@@ -155,10 +165,11 @@ impl XmlFile {
     /// As [`XmlFile::read`], of what is not in such lists.
     pub fn read_but(list: &'static str, path: &Path, called: &Path) -> Result<Self, InputError> {
         let mut file = File::open(path).map_err(|error| unreadable(called, &error))?;
-        let mut mark = [0; 3];
-        let length = file.read(&mut mark).map_err(|error| unreadable(called, &error))?;
-        // What begins with a byte order mark is decoded as a whole.
-        if matches!(mark[..length], [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0xef, 0xbb, 0xbf]) {
+        let mut head = Vec::new();
+        let begin = (&mut file).take(HEAD as u64).read_to_end(&mut head);
+        begin.map_err(|error| unreadable(called, &error))?;
+        // Only what is plain UTF-8 is not decoded as a whole.
+        if head.starts_with(&[0xef, 0xbb, 0xbf]) || encoding(&head) != Ok(UTF_8) {
             return Self::parse(Source::from_xml_bytes(called, io_read(path, called)?)?, Some(list));
         }
         let source =
@@ -326,9 +337,15 @@ impl Element {
         self.namespace.as_deref()
     }
 
-    /// The value of an attribute.
+    /// The value of an attribute without a prefix.
     pub fn attribute(&self, name: &str) -> Option<&str> {
-        self.attributes.iter().find(|(own, _)| own == name).map(|(_, value)| value.as_str())
+        let mut own = self.attributes.iter().filter(|own| own.namespace.is_none());
+        own.find(|own| own.name == name).map(|own| own.value.as_str())
+    }
+
+    /// Names of its attributes, with the namespace of those that have a prefix.
+    pub fn attributes(&self) -> impl Iterator<Item = (&str, Option<&str>)> {
+        self.attributes.iter().map(|own| (own.name.as_str(), own.namespace.as_deref()))
     }
 
     /// Its elements.

@@ -13,4 +13,5 @@ mod plan;
 mod scales;
 mod shared_data;
 mod ssp;
+mod ssp_spelling;
 mod unpacked;

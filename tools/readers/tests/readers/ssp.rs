@@ -25,7 +25,7 @@ const UNITS: &str = r#"<ssd:Units>
 </ssd:Units>
 "#;
 
-fn component(name: &str, connectors: &[(&str, &str, &str)], rest: &str) -> String {
+pub fn component(name: &str, connectors: &[(&str, &str, &str)], rest: &str) -> String {
     let connectors: String = connectors
         .iter()
         .map(|(name, kind, unit)| {
@@ -38,13 +38,13 @@ fn component(name: &str, connectors: &[(&str, &str, &str)], rest: &str) -> Strin
     )
 }
 
-fn document(system: &str) -> String {
+pub fn document(system: &str) -> String {
     format!(
         "{HEAD}<ssd:System name=\"root\">\n{system}</ssd:System>\n{UNITS}<ssd:DefaultExperiment startTime=\"0\" stopTime=\"0.5\"/>\n</ssd:SystemStructureDescription>\n"
     )
 }
 
-fn written(text: &str) -> (TempDir, PathBuf) {
+pub fn written(text: &str) -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     for fmu in ["a.fmu", "b.fmu", "c.fmu"] {
         std::fs::write(folder.path().join(fmu), "").unwrap();
@@ -54,12 +54,12 @@ fn written(text: &str) -> (TempDir, PathBuf) {
     (folder, file)
 }
 
-fn system(text: &str) -> Result<SystemStructure, InputError> {
+pub fn system(text: &str) -> Result<SystemStructure, InputError> {
     let (_folder, file) = written(text);
     read(file)
 }
 
-fn connection(start: &str, end: &str, rest: &str) -> String {
+pub fn connection(start: &str, end: &str, rest: &str) -> String {
     let side = |name: &str, prefix: &str| match name.split_once('.') {
         Some((element, connector)) => {
             format!("{prefix}Element=\"{element}\" {prefix}Connector=\"{connector}\"")
@@ -70,7 +70,7 @@ fn connection(start: &str, end: &str, rest: &str) -> String {
 }
 
 /// Two components that exchange `x` and `f`.
-fn pair(connections: &str) -> String {
+pub fn pair(connections: &str) -> String {
     let a = component("a", &[("x", "output", "m"), ("f", "input", "")], "");
     let b = component("b", &[("x", "input", "mm"), ("f", "output", "")], "");
     format!("<ssd:Elements>{a}{b}</ssd:Elements><ssd:Connections>{connections}</ssd:Connections>")
@@ -103,7 +103,7 @@ fn suppressed_conversion_and_transformations_do_what_they_say() {
     }
 }
 
-fn nested() -> String {
+pub fn nested() -> String {
     let inner = format!(
         "<ssd:System name=\"rig\"><ssd:Connectors><ssd:Connector name=\"drive\" kind=\"input\"/><ssd:Connector name=\"shown\" kind=\"output\"><ssc:Real unit=\"mm\"/></ssd:Connector></ssd:Connectors>\
          <ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues><ssv:ParameterSet version=\"1.0\" name=\"p\"><ssv:Parameters>\

@@ -10,6 +10,7 @@ use super::Simulation;
 ///  "reached": 0.2, "interrupted": false, "failure": null, "notes": ["..."],
 ///  "energy": [{"force": "beam.contact_force", "motion": "contact.displacement", "sum": 0.0, "magnitude": 0.0,
 ///    "largest": 0.0, "exchanged": 0.0, "history": [0.0]}],
+///  "unwatched": [{"slaves": ["beam", "contact"], "units": false, "input": "contact.displacement", "mismatch": 0.01}],
 ///  "time": [0.0], "columns": [{"name": "beam.displacement", "unit": "m", "values": [0.0]}]}
 /// ```
 ///
@@ -26,6 +27,9 @@ pub fn simulation_json(simulation: &Simulation) -> Value {
             "exchanged": energy.exchanged,
             "history": simulation.energy.get(index),
         })
+    });
+    let unwatched = report.unwatched.iter().map(|one| {
+        json!({ "slaves": one.slaves, "units": one.units, "input": one.input, "mismatch": one.mismatch })
     });
     let columns = simulation
         .columns
@@ -47,6 +51,7 @@ pub fn simulation_json(simulation: &Simulation) -> Value {
         "failure": simulation.failure,
         "notes": simulation.all_notes().collect::<Vec<_>>(),
         "energy": energy.collect::<Vec<_>>(),
+        "unwatched": unwatched.collect::<Vec<_>>(),
         "time": simulation.time,
         "columns": columns.collect::<Vec<_>>(),
     })

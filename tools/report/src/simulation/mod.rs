@@ -8,7 +8,7 @@ pub use json::simulation_json;
 pub use page::simulation_html;
 pub use terminal::simulation_table;
 
-use stickslip::cosim::Report;
+use stickslip::cosim::{Report, Unwatched};
 
 use crate::format;
 
@@ -90,6 +90,7 @@ impl Simulation {
                 self.report.unconverged, self.report.steps
             ));
         }
+        warnings.extend(self.report.unwatched.iter().filter(|one| one.is_unresolved()).map(unresolved));
         if self.report.forced > 0 {
             warnings.push(format!(
                 "{} steps were accepted beyond their tolerance: they could not be shorter.",
@@ -112,9 +113,36 @@ impl Simulation {
     }
 
     /// All notes, the system's first.
-    fn all_notes(&self) -> impl Iterator<Item = &String> {
-        self.notes.iter().chain(&self.report.notes)
+    fn all_notes(&self) -> impl Iterator<Item = String> {
+        let told = self.notes.iter().chain(&self.report.notes).cloned();
+        told.chain(self.report.unwatched.iter().map(not_watched))
     }
+}
+
+/// That nobody would see a coupling explode by its energy, and what to do about it.
+fn not_watched(coupling: &Unwatched) -> String {
+    let [one, other] = coupling.slaves.each_ref().map(|name| format::printable(name));
+    let reason = if coupling.units {
+        "their units do not tell which force and motion belong together"
+    } else {
+        "their variables have no units"
+    };
+    format!(
+        "the energy of the coupling of {one} and {other} is not watched: {reason}; give --power FORCE=MOTION, the inputs that \
+         take them"
+    )
+}
+
+/// That a coupling cannot be right, seen without its energy.
+fn unresolved(coupling: &Unwatched) -> String {
+    let [one, other] = coupling.slaves.each_ref().map(|name| format::printable(name));
+    format!(
+        "The steps are too long for the coupling of {one} and {other}, or it explodes: at their ends, {} was given values that \
+         are off by {:.0} % of its standard deviation. Try a shorter step, or repeat each step until the values agree \
+         (strong coupling).",
+        format::printable(&coupling.input),
+        100.0 * coupling.mismatch
+    )
 }
 
 /// What part `residual` is of what was exchanged.
@@ -138,6 +166,12 @@ mod tests {
             exchanged: 1e-2,
             last: 0.0,
         };
+        let unwatched = Unwatched {
+            slaves: ["motor", "load"].map(str::to_owned),
+            units: false,
+            input: "load.speed".to_owned(),
+            mismatch: 1.37,
+        };
         let column = |name: &str, unit: Option<&str>| Column {
             name: name.to_owned(),
             unit: unit.map(str::to_owned),
@@ -160,6 +194,7 @@ mod tests {
                 steps: 2,
                 evaluations: 7,
                 energy: vec![energy],
+                unwatched: vec![unwatched],
                 ..Report::default()
             },
             notes: vec!["a note".to_owned()],
@@ -184,6 +219,39 @@ mod tests {
         assert_eq!(json["columns"][1]["values"][2], serde_json::Value::Null);
         assert_eq!(json["energy"][0]["sum"], 1e-6);
         assert_eq!(json["failure"], "at 0.002 s: contact: lost");
+    }
+
+    #[test]
+    fn all_three_say_which_couplings_are_not_watched() {
+        let one = simulation();
+        let joined = |text: String| text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let table = joined(simulation_table(&one, 80, false));
+        let page = joined(simulation_html(&one, &Settings::default()));
+        for text in [
+            "coupling of motor and load is not watched: their variables have no units",
+            "--power",
+            "load.speed",
+            "137 %",
+        ] {
+            assert!(table.contains(text) && page.contains(text), "{text} in\n{table}");
+        }
+        let json = simulation_json(&one);
+        assert!(
+            json["notes"][1].as_str().is_some_and(|note| note.contains("is not watched")),
+            "{}",
+            json["notes"]
+        );
+        assert_eq!(
+            (&json["unwatched"][0]["slaves"][1], &json["unwatched"][0]["mismatch"]),
+            (&"load".into(), &1.37.into())
+        );
+    }
+
+    #[test]
+    fn a_short_step_is_no_warning() {
+        let mut one = simulation();
+        one.report.unwatched[0].mismatch = 0.1;
+        assert!(!simulation_table(&one, 80, false).contains("load.speed"));
     }
 
     #[test]

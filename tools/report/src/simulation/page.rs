@@ -21,7 +21,7 @@ fn document(simulation: &Simulation) -> Document {
     if !simulation.time.is_empty() {
         sections.push(section("outputs", "Time histories", vec![Block::Plots(histories(simulation))]));
     }
-    let notes: Vec<Block> = simulation.all_notes().cloned().map(Block::Note).collect();
+    let notes: Vec<Block> = simulation.all_notes().map(Block::Note).collect();
     if !notes.is_empty() {
         sections.push(section("notes", "Notes", notes));
     }

@@ -8,6 +8,7 @@ mod parts;
 mod run;
 mod starts;
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -122,7 +123,7 @@ const LARGE: f64 = 5e8;
 
 impl Simulate {
     /// Simulates, and writes what it came to, whole or so far; nothing where it made no step.
-    pub fn run(self) -> Result<u8, Failure> {
+    pub fn run(self) -> Result<(), Failure> {
         let destinations: Vec<&PathBuf> = self.out.iter().chain(&self.report).collect();
         let inputs: Vec<&PathBuf> = std::iter::once(&self.system).chain(&self.input).collect();
         Outputs::check(destinations, &inputs)?;
@@ -154,7 +155,10 @@ impl Simulate {
             return Err(nothing_done(&simulation));
         }
         self.present(&mut simulation, remarks)?;
-        Ok(u8::from(simulation.failure.is_some()))
+        match simulation.failure {
+            Some(reason) if !progress::interrupted() => Err(Failure::other(reason)),
+            _ => Ok(()),
+        }
     }
 
     /// Prints the table and writes the files, with the remarks that were printed before the run.
@@ -281,7 +285,8 @@ impl Simulate {
 /// Whether the program itself ends; if not, an FMU has called `exit`, and this says so.
 fn exit_expected() -> bool {
     if !progress::interrupted() {
-        tell!(
+        let _ = writeln!(
+            std::io::stderr(),
             "error: an FMU has ended the program by calling `exit`; nothing was written; without --no-isolate the results \
              so far would be"
         );

@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use stickslip::cosim::{Slave, SlaveError};
 use stickslip::document::nearest;
-use stickslip_fmi_host::{Fmu, FmuSlave, ImportError, IsolatedSlave, Log, ScalarVariable};
-use stickslip_readers::ssp::SystemStructure;
+use stickslip_fmi_host::{Fmu, FmuSlave, ImportError, IsolatedSlave, Log, ScalarVariable, TypeOfVariable};
+use stickslip_readers::ssp::{Component, DeclaredType, SystemStructure};
 use stickslip_readers::units::{Linear, Unit};
 
 use super::{Simulate, not_begun};
@@ -119,12 +119,42 @@ pub fn instantiate(
         } else {
             Instance::Here(fmu.instantiate(&name).map_err(failed)?)
         };
+        check_types(component, &fmu)?;
         for (variable, unit) in &component.units {
             instance.name_unit(variable, &unit.name);
         }
         parts.push(Part { name, fmu, units: component.units.clone(), instance });
     }
     Ok(parts)
+}
+
+/// Refuses connectors of another type than that of their variables.
+fn check_types(component: &Component, fmu: &Fmu) -> Result<(), Failure> {
+    let description = fmu.description();
+    for DeclaredType { variable, name, place } in &component.types {
+        let Some(position) = description.position(variable) else { continue };
+        let own = match &description.variables[position].kind {
+            TypeOfVariable::Real => "Real",
+            TypeOfVariable::Integer => "Integer",
+            TypeOfVariable::Boolean => "Boolean",
+            TypeOfVariable::Enumeration(_) => "Enumeration",
+            // Arrays of texts are not told from binary data.
+            TypeOfVariable::String | TypeOfVariable::Opaque if ["String", "Binary"].contains(name) => {
+                continue;
+            }
+            TypeOfVariable::String => "String",
+            TypeOfVariable::Opaque => "Binary",
+        };
+        // An item of an enumeration is a whole number.
+        let whole = ["Integer", "Enumeration"];
+        if own != *name && !(whole.contains(&own) && whole.contains(name)) {
+            return Err(Failure::input(format!(
+                "{place}: the connector `{}.{variable}` is declared {name}, but the variable is {own}",
+                component.name
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// Whether it holds other code than what this program exports.
