@@ -6,14 +6,16 @@ use realfft::RealFftPlanner;
 
 /// Samples on either side that a value between two samples is made of.
 const REACH: i64 = 12;
+/// Blackman and Harris' window of four terms, by its parts of cosines of multiples of the distance.
+const WINDOW: [f64; 4] = [0.358_75, 0.488_29, 0.141_28, 0.011_68];
 /// Part of the band up to half the sampling rate that lies near its end.
 const NEAR_END: f64 = 0.2;
 /// Largest fraction of the power of the differences from sample to sample that may lie there: a jump has that part of it.
 const OPEN_END: f64 = 0.05;
 
 /// Values of the signal on a grid `finer` times as fine, from its first sample to its last: by sines over their argument
-/// under a Hann window. `None` where the samples do not determine it: what jumps has as much at half the sampling rate as
-/// below it.
+/// under Blackman and Harris' window, to 1e-5 of tones up to 0.3 of the sampling rate. `None` where the samples do not
+/// determine it: what jumps has as much at half the sampling rate as below it.
 pub(crate) fn band_limited(values: &[f64], finer: usize) -> Option<Vec<f64>> {
     let count = values.len();
     if count < 2 * REACH as usize || !is_band_limited(values)? {
@@ -43,7 +45,8 @@ pub(crate) fn band_limited(values: &[f64], finer: usize) -> Option<Vec<f64>> {
 fn weights(s: f64) -> Vec<f64> {
     let weight = |ahead: i64| {
         let distance = PI * (ahead as f64 - s);
-        distance.sin() / distance * 0.5 * (1.0 + (distance / REACH as f64).cos())
+        let window = |(order, part): (usize, &f64)| part * (order as f64 * distance / REACH as f64).cos();
+        distance.sin() / distance * WINDOW.iter().enumerate().map(window).sum::<f64>()
     };
     let mut weights: Vec<f64> = (1 - REACH..=REACH).map(weight).collect();
     // A constant stays one.
@@ -76,7 +79,7 @@ mod tests {
             let fine = band_limited(&values, 4).unwrap();
             assert_eq!(fine.len(), 399 * 4 + 1);
             let worst = (100..1500).map(|k| (fine[k] - wave(k as f64 / 4.0)).abs()).fold(0.0, f64::max);
-            assert!(worst < 2e-3, "{speed}: {worst:e}");
+            assert!(worst < 2e-5, "{speed}: {worst:e}");
         }
     }
 
