@@ -1,6 +1,6 @@
 /* What the calls of an FMU of FMI 2.0 cost: measure LIBRARY GUID RESOURCES STEP OUTPUT [INPUT AMPLITUDE]
-   Prints nanoseconds of fmi2DoStep (inputs held), of fmi2SetReal + fmi2DoStep + fmi2GetReal (input moving), of
-   fmi2GetDirectionalDerivative of the output by the input after a step (where the FMU has it), microseconds from
+   Prints nanoseconds of fmi2DoStep (inputs held), of fmi2SetReal + fmi2DoStep + fmi2GetReal (input moving), of these without
+   the step, of fmi2GetDirectionalDerivative of the output by the input after a step (where the FMU has it), microseconds from
    fmi2Instantiate to the end of the initialization and fmi2FreeInstance, and bytes of the heap that an instance takes. Times are the
    shortest and the median of many batches. */
 #define _GNU_SOURCE
@@ -69,16 +69,65 @@ static void tell(const char *name, double *times, int count, double each) {
     printf("\"%s\": [%.4g, %.4g], ", name, times[0] / each, times[count / 2] / each);
 }
 
-int main(int count, char **words) {
-    if (count != 6 && count != 8) {
-        fprintf(stderr, "measure LIBRARY GUID RESOURCES STEP OUTPUT [INPUT AMPLITUDE]\n");
-        return 2;
+static unsigned input, output;
+static double step, amplitude;
+static long done;
+
+static void take_step(void *instance) {
+    check(do_step(instance, (double)done++ * step, step, 1) != 0, "fmi2DoStep");
+}
+
+static void held(void *instance) {
+    for (int call = 0; call < CALLS; call++) take_step(instance);
+}
+
+static void set_and_get(void *instance, int call, int steps) {
+    int place = call % 64;
+    double moved = amplitude * (place < 32 ? place / 16.0 - 1.0 : 3.0 - place / 16.0), value;
+    check(set_real(instance, &input, 1, &moved) != 0, "fmi2SetReal");
+    if (steps) take_step(instance);
+    check(get_real(instance, &output, 1, &value) != 0, "fmi2GetReal");
+}
+
+static void moving(void *instance) {
+    for (int call = 0; call < CALLS; call++) set_and_get(instance, call, 1);
+}
+
+static void around(void *instance) {
+    for (int call = 0; call < CALLS; call++) set_and_get(instance, call, 0);
+}
+
+static void derivative(void *instance) {
+    double direction = 1.0, change;
+    for (int call = 0; call < CALLS; call++)
+        check(derive(instance, &output, 1, &input, 1, &direction, &change) != 0, "fmi2GetDirectionalDerivative");
+}
+
+static void made(void *instance) {
+    (void)instance;
+    for (int call = 0; call < 10; call++) release(ready());
+}
+
+static void batches(const char *name, void (*batch)(void *), void *instance, double each) {
+    double times[BATCHES];
+    for (int k = 0; k < BATCHES; k++) {
+        double start = now();
+        batch(instance);
+        times[k] = now() - start;
     }
-    void *library = dlopen(words[1], RTLD_NOW | RTLD_LOCAL);
-    if (library == NULL) {
-        fprintf(stderr, "%s\n", dlerror());
-        return 1;
-    }
+    tell(name, times, BATCHES, each);
+}
+
+static void tell_heap(void) {
+    static void *all[INSTANCES];
+    size_t before = mallinfo2().uordblks + mallinfo2().hblkhd;
+    for (int i = 0; i < INSTANCES; i++) all[i] = ready();
+    size_t after = mallinfo2().uordblks + mallinfo2().hblkhd;
+    printf("\"bytes\": %.0f}\n", (double)(after - before) / INSTANCES);
+    for (int i = 0; i < INSTANCES; i++) release(all[i]);
+}
+
+static int find(void *library) {
 #define FIND(function, name) check((*(void **)&function = dlsym(library, name)) == NULL, name)
     FIND(instantiate, "fmi2Instantiate");
     FIND(release, "fmi2FreeInstance");
@@ -89,54 +138,33 @@ int main(int count, char **words) {
     FIND(get_real, "fmi2GetReal");
     FIND(do_step, "fmi2DoStep");
     *(void **)&derive = dlsym(library, "fmi2GetDirectionalDerivative");
+    return derive != NULL;
+}
+
+int main(int count, char **words) {
+    if (count != 6 && count != 8) {
+        fprintf(stderr, "measure LIBRARY GUID RESOURCES STEP OUTPUT [INPUT AMPLITUDE]\n");
+        return 2;
+    }
+    void *library = dlopen(words[1], RTLD_NOW | RTLD_LOCAL);
+    if (library == NULL) {
+        fprintf(stderr, "%s\n", dlerror());
+        return 1;
+    }
+    int moves = count > 7, derives = find(library) && moves;
     guid = words[2], resources = words[3];
-    double step = atof(words[4]), value = 0.0, times[BATCHES];
-    unsigned output = (unsigned)atoi(words[5]), input = 0;
-    double amplitude = count > 7 ? atof(words[7]) : 0.0;
-    if (count > 7) input = (unsigned)atoi(words[6]);
-
+    step = atof(words[4]), output = (unsigned)atoi(words[5]);
+    if (moves) input = (unsigned)atoi(words[6]), amplitude = atof(words[7]);
     void *instance = ready();
-    long done = 0;
-    for (int batch = 0; batch < BATCHES; batch++) {
-        double start = now();
-        for (int call = 0; call < CALLS; call++) check(do_step(instance, (double)done++ * step, step, 1) != 0, "fmi2DoStep");
-        times[batch] = now() - start;
-    }
+    double unknown = 1.0, change;
     printf("{");
-    tell("held", times, BATCHES, CALLS);
-    for (int batch = 0; count > 7 && batch < BATCHES; batch++) {
-        double start = now();
-        for (int call = 0; call < CALLS; call++) {
-            int place = call % 64;
-            double moved = amplitude * (place < 32 ? place / 16.0 - 1.0 : 3.0 - place / 16.0);
-            check(set_real(instance, &input, 1, &moved) != 0, "fmi2SetReal");
-            check(do_step(instance, (double)done++ * step, step, 1) != 0, "fmi2DoStep");
-            check(get_real(instance, &output, 1, &value) != 0, "fmi2GetReal");
-        }
-        times[batch] = now() - start;
-    }
-    if (count > 7) tell("moving", times, BATCHES, CALLS);
-    int derives = count > 7 && derive != NULL;
-    for (int batch = 0; derives && batch < BATCHES; batch++) {
-        double start = now(), direction = 1.0;
-        for (int call = 0; derives && call < CALLS; call++)
-            derives = derive(instance, &output, 1, &input, 1, &direction, &value) == 0;
-        times[batch] = now() - start;
-    }
-    if (derives) tell("derivative", times, BATCHES, CALLS);
+    batches("held", held, instance, CALLS);
+    if (moves) batches("moving", moving, instance, CALLS);
+    derives = derives && derive(instance, &output, 1, &input, 1, &unknown, &change) == 0;
+    if (derives) batches("derivative", derivative, instance, CALLS);
+    if (moves) batches("around", around, instance, CALLS);
     release(instance);
-
-    for (int batch = 0; batch < BATCHES; batch++) {
-        double start = now();
-        for (int call = 0; call < 10; call++) release(ready());
-        times[batch] = now() - start;
-    }
-    tell("instance", times, BATCHES, 10 * 1e3);
-    static void *all[INSTANCES];
-    size_t before = mallinfo2().uordblks + mallinfo2().hblkhd;
-    for (int i = 0; i < INSTANCES; i++) all[i] = ready();
-    size_t after = mallinfo2().uordblks + mallinfo2().hblkhd;
-    printf("\"bytes\": %.0f}\n", (double)(after - before) / INSTANCES);
-    for (int i = 0; i < INSTANCES; i++) release(all[i]);
+    batches("instance", made, NULL, 10 * 1e3);
+    tell_heap();
     return 0;
 }

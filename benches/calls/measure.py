@@ -42,6 +42,22 @@ def of_fmu(program, file, folder, step, output, moved):
     return measured(program, library, description.guid, resources, step, references[output], moved), library.read_bytes()
 
 
+def goals(of):
+    jenkins, library = of["JenkinsContact"]
+    shortest = lambda found, key: found[key][0]
+    step = lambda found: shortest(found, "moving") - shortest(found, "around")
+    asked = [("held step of JenkinsContact (ns)", shortest(jenkins, "held"), 8)]
+    asked += [(f"derivative of {name}, in moving steps of it", shortest(of[name][0], "derivative") / step(of[name][0]), 1.5) for name in CONTACTS]
+    asked += [
+        ("JenkinsContact made, initialized and freed (µs)", shortest(jenkins, "instance"), 3),
+        ("heap of it (B)", jenkins["bytes"], 1024),
+        ("library packed (kB)", len(zlib.compress(library, 9)) / 1e3, 400),
+    ]
+    yield from ["| goal | at most | found |", "|---|---|---|"]
+    for what, found, most in asked:
+        yield f"| {what} | {most} | {f'{found:.3g}' if found <= most else f'**{found:.3g}**'} |"
+
+
 def main():
     others = next((ROOT / "target/fmus-of-others").glob("*/tests/data/reference/fmi2"), None)
     if others is None or "STICKSLIP" not in os.environ:
@@ -65,10 +81,6 @@ def main():
         "Written by `STICKSLIP=target/release/stickslip target/python/bin/python benches/calls/measure.py`, all in one run: FMI 2.0,",
         "co-simulation, by a program in C. Times are the shortest and, in brackets, the median of 401 batches.",
         "",
-        "Goals: a held step of JenkinsContact in 8 ns, a derivative in 1.5 steps of the contact, made and freed in 3 µs, a heap of 1 kB, a library of",
-        "400 kB packed. The step and the library miss theirs: a call of Rust must not let a panic pass into C, and one library serves all",
-        "kinds of model in both versions of FMI and both of their forms.",
-        "",
         "| FMU | `fmi2DoStep`, inputs held (ns) | `fmi2SetReal`, `fmi2DoStep`, `fmi2GetReal` (ns) | `fmi2GetDirectionalDerivative` (ns) | made, initialized and freed (µs) | heap of an instance (B) | library (kB) | packed (kB) |",
         "|---|---|---|---|---|---|---|---|",
     ]
@@ -76,6 +88,7 @@ def main():
         pair = lambda key: "{:.3g} ({:.3g})".format(*found[key]) if key in found else "–"
         cells = [name, pair("held"), pair("moving"), pair("derivative"), pair("instance"), f"{found['bytes']:.0f}", f"{len(library) / 1e3:.0f}", f"{len(zlib.compress(library, 9)) / 1e3:.0f}"]
         lines.append("| " + " | ".join(cells) + " |")
+    lines += ["", *goals({name: (found, library) for name, found, library in rows})]
     text = "\n".join(lines) + "\n"
     (HERE / "calls.md").write_text(text)
     print(text)

@@ -51,7 +51,9 @@ def remarks(case):
 
 
 def run(case):
-    failure, found = simulate(case, reduced(case))
+    failure, found = simulate(case, case.fmu)
+    if failure:
+        failure, found = simulate(case, reduced(case))
     if failure:
         raise RuntimeError(failure)
     rows = table(found)

@@ -1,5 +1,7 @@
 //! Couplings of two slaves between which no power connection is known, so that no energy residual shows that they explode.
 
+use std::collections::BTreeSet;
+
 use super::{Port, System};
 use crate::cosim::slave::Kind;
 
@@ -37,9 +39,13 @@ impl System {
                 pair.contains(&one.force.slave) && (motion(one.displacement) || motion(one.velocity))
             })
         };
-        let count = self.slaves.len();
-        let pairs = (0..count).flat_map(|one| (one + 1..count).map(move |other| [one, other]));
-        pairs.filter(|pair| !watched(*pair)).filter_map(|pair| self.coupling(pair)).collect()
+        let joined = self.connections.iter().map(|connection| {
+            let [one, other] = [connection.from.slave, connection.to.slave];
+            [one.min(other), one.max(other)]
+        });
+        let pairs: BTreeSet<[usize; 2]> = joined.filter(|[one, other]| one != other).collect();
+        let pairs = pairs.into_iter().filter(|pair| !watched(*pair));
+        pairs.filter_map(|pair| self.coupling(pair)).collect()
     }
 
     /// The two slaves with what they give each other, if both do.

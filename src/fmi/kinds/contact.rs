@@ -281,7 +281,7 @@ impl ContactBehaviour {
 
     /// The `change` of the force where all inputs ran straight from where they had ended, which are most steps: what was
     /// remembered before does not change, and the tangents of the step tell it. False, and nothing done, of another step.
-    fn follows_straight(&mut self, state: &[f64], direction: &[Ramp], change: &mut [f64]) -> bool {
+    fn differentiate_straight(&mut self, state: &[f64], direction: &[Ramp], change: &mut [f64]) -> bool {
         let memory = self.law.state_len();
         let Some(ends) = Lines::straight_ends::<INPUTS>(&state[1 + 2 * memory..]) else { return false };
         let (_, before) = halves(state, memory);
@@ -426,7 +426,7 @@ impl Behaviour for ContactBehaviour {
     ) -> Result<(), String> {
         // A derivative of the energy costs several steps.
         let energy = unknowns.contains(&(DISSIPATED_ENERGY as u32));
-        if !energy && self.follows_straight(state, direction, change) {
+        if !energy && self.differentiate_straight(state, direction, change) {
             return Ok(());
         }
         let (law, Room { sensitivity: carried, way, .. }) = self.go_back(state);

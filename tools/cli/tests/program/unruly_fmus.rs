@@ -107,7 +107,7 @@ fn a_coupling_without_units_is_a_note_everywhere() {
     fs::write(folder.path().join("s.ssd"), two_of_them("", &[THERE, BACK].concat())).unwrap();
     let run =
         ["simulate", "s.ssd", "--stop", "1", "--step", "0.1", "--algorithm", "jacobi", "--report", "r.html"];
-    let note = "coupling of one and other is not watched: their units do not tell which force and motion belong together; give --power";
+    let note = "coupling of one and other is not watched: their units do not tell which force and motion belong together; if they exchange power, give --power";
     let (out, _) = ended(folder.path(), 0, &[&run[..], &["--out", "r.json"]].concat());
     assert!(out.split_whitespace().collect::<Vec<_>>().join(" ").contains(note), "{out}");
     for file in ["r.json", "r.html"] {

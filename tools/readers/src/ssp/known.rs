@@ -1,4 +1,4 @@
-//! The elements and attributes that SSP 1.0 and 2.0 have. One that it does not have is somebody's own, or misspelt.
+//! The elements and attributes that SSP 1.0 has. One that it does not have is somebody's own, or misspelt.
 
 use stickslip::document::nearest;
 
@@ -78,15 +78,7 @@ const KNOWN: [Known; 41] = [
         "Connection",
         &["ConnectionGeometry"],
         DESCRIPTION,
-        &[
-            "startElement",
-            "startConnector",
-            "startIndices",
-            "endElement",
-            "endConnector",
-            "endIndices",
-            "suppressUnitConversion",
-        ],
+        &["startElement", "startConnector", "endElement", "endConnector", "suppressUnitConversion"],
     ),
     ("ParameterBindings", &["ParameterBinding"], DESCRIPTION, &[]),
     (
@@ -139,7 +131,7 @@ const KNOWN: [Known; 41] = [
     ("SystemGeometry", &[], DESCRIPTION, &["x1", "y1", "x2", "y2"]),
     ("GraphicalElements", &["Note"], DESCRIPTION, &[]),
     ("Note", &[], DESCRIPTION, &["x1", "y1", "x2", "y2", "text"]),
-    ("ConnectorGeometry", &[], DESCRIPTION, &["x", "y", "systemInnerX", "systemInnerY"]),
+    ("ConnectorGeometry", &[], DESCRIPTION, &["x", "y"]),
     ("ConnectionGeometry", &[], DESCRIPTION, &["pointsX", "pointsY"]),
 ];
 
@@ -169,7 +161,7 @@ fn attributes((element, _, _, own): &Known, parent: Option<&str>) -> Vec<&'stati
     own.iter().chain(more).copied().chain(ALWAYS).collect()
 }
 
-/// Remarks on elements from elsewhere.
+/// Remarks on elements from elsewhere in a file with the root `element`.
 ///
 /// # Errors
 /// An element or an attribute that the standard does not have, without a namespace or in the standard's own; an element of
@@ -179,7 +171,14 @@ pub(super) fn check_known(
     element: &Element,
     remarks: &mut Vec<String>,
 ) -> Result<(), InputError> {
+    if let Some((_, _, own, _)) = row_of(element) {
+        check_space(file, element, Some(format!("{STANDARD}{own}")))?;
+    }
     check_in(None, file, element, remarks)
+}
+
+fn row_of(element: &Element) -> Option<&'static Known> {
+    KNOWN.iter().find(|(name, ..)| *name == element.name())
 }
 
 fn check_in(
@@ -188,7 +187,7 @@ fn check_in(
     element: &Element,
     remarks: &mut Vec<String>,
 ) -> Result<(), InputError> {
-    let Some(row) = KNOWN.iter().find(|(name, ..)| *name == element.name()) else { return Ok(()) };
+    let Some(row) = row_of(element) else { return Ok(()) };
     check_attributes(file, element, &attributes(row, parent))?;
     let known = children(row);
     for child in element.children() {

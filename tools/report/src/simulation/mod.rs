@@ -125,11 +125,11 @@ fn not_watched(coupling: &Unwatched) -> String {
     let reason = if coupling.units {
         "their units do not tell which force and motion belong together"
     } else {
-        "their variables have no units"
+        "not all of their variables have units"
     };
     format!(
-        "the energy of the coupling of {one} and {other} is not watched: {reason}; give --power FORCE=MOTION, the inputs that \
-         take them"
+        "the energy of the coupling of {one} and {other} is not watched: {reason}; if they exchange power, give --power FORCE=MOTION, \
+         the inputs that take them"
     )
 }
 
@@ -228,7 +228,7 @@ mod tests {
         let table = joined(simulation_table(&one, 80, false));
         let page = joined(simulation_html(&one, &Settings::default()));
         for text in [
-            "coupling of motor and load is not watched: their variables have no units",
+            "coupling of motor and load is not watched: not all of their variables have units",
             "--power",
             "load.speed",
             "137 %",

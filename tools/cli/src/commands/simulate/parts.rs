@@ -111,6 +111,7 @@ pub fn instantiate(
                 fmu
             }
         };
+        check_types(component, &fmu)?;
         let name = component.name.clone();
         let apart = arguments.isolate || !arguments.no_isolate && foreign(&fmu);
         let mut instance = if apart {
@@ -119,7 +120,6 @@ pub fn instantiate(
         } else {
             Instance::Here(fmu.instantiate(&name).map_err(failed)?)
         };
-        check_types(component, &fmu)?;
         for (variable, unit) in &component.units {
             instance.name_unit(variable, &unit.name);
         }
