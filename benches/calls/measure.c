@@ -160,9 +160,10 @@ int main(int count, char **words) {
     printf("{");
     batches("held", held, instance, CALLS);
     if (moves) batches("moving", moving, instance, CALLS);
+    if (moves) batches("around", around, instance, CALLS);
+    /* Where it fails, the instance may be of no use any more. */
     derives = derives && derive(instance, &output, 1, &input, 1, &unknown, &change) == 0;
     if (derives) batches("derivative", derivative, instance, CALLS);
-    if (moves) batches("around", around, instance, CALLS);
     release(instance);
     batches("instance", made, NULL, 10 * 1e3);
     tell_heap();
