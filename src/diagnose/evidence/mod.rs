@@ -7,8 +7,8 @@
 //! is its minimum with the volume around it, `probe` what amounts of each candidate would change to first order. `search`
 //! grows sets from none by first `looks` and whole fits, and `neighbours` makes sure of the likely ones; `weights` makes
 //! probabilities of their evidence, `limits` tells what could not have been seen. Of the base and of the decided one
-//! `agreement` looks for a better minimum, `refined` takes off the error of the steps in time and of harmonics that are
-//! left out, and `driven` widens the intervals by what the noise of the inputs did.
+//! `agreement` looks for a better minimum, `refined`, which also tells how fine steps in time must be, takes off their error and that
+//! of harmonics that are left out, and `driven` widens the intervals by what the noise of the inputs did.
 
 mod agreement;
 mod autoregression;
