@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::weighted_dataset::{RecordResiduals, WeightedDataset};
 use crate::data::{Channel, Record, Regime};
-use crate::fit::predict::{Motion, compared, drives, white_noise};
+use crate::fit::predict::{Motion, compared, drives, white_noise_of_few};
 use crate::model::Model;
 use crate::numeric::random::Random;
 
@@ -82,5 +82,5 @@ fn size(change: &[f64]) -> f64 {
 
 /// Noise of a driving channel: what the dataset states, or its white part; the rows of a table are no course in time.
 fn input_noise(channel: &Channel, regime: Regime) -> f64 {
-    channel.noise.unwrap_or_else(|| if regime.is_table() { 0.0 } else { white_noise(&channel.values) })
+    channel.noise.unwrap_or_else(|| if regime.is_table() { 0.0 } else { white_noise_of_few(&channel.values) })
 }

@@ -4,6 +4,8 @@
 //! leave together (Mallows 1973): a wider one would make amplitudes too small, and whatever is fitted to them too
 //! large. Samples without noise stay as they are.
 
+use std::f64::consts::PI;
+
 /// Half-widths tried (samples), widest last.
 const HALF_WIDTHS: [usize; 6] = [1, 2, 4, 8, 16, 32];
 
@@ -19,18 +21,38 @@ pub(crate) struct Motion {
 /// Standard deviation of white noise on smooth `values`, from fourth differences and their median, so that
 /// single corners do not count. Coloured noise is underestimated; values without noise have none.
 pub(crate) fn white_noise(values: &[f64]) -> f64 {
-    let mut differences: Vec<f64> =
-        values.windows(5).map(|w| w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4]).collect();
-    // Those of noise change their sign nearly every time, those of a smooth curve twice a period.
+    of_differences(values, 4, 0.5).unwrap_or(0.0)
+}
+
+/// As [`white_noise`], on `values` of a few samples a period, too, whose own fourth differences hide it: from the first higher
+/// ones that change their sign as those of noise do.
+pub(crate) fn white_noise_of_few(values: &[f64]) -> f64 {
+    // Neighbouring differences of white noise have the correlation −d/(d + 1).
+    let changes = |order: usize| (-(order as f64) / (order + 1) as f64).acos() / PI;
+    let higher = |order: &usize| of_differences(values, *order, 0.9 * changes(*order));
+    of_differences(values, 4, 0.5).or_else(|| [6, 8, 10, 12].iter().find_map(higher)).unwrap_or(0.0)
+}
+
+/// Standard deviation of white noise from the median of differences of an even `order`; `None` where no more than the part
+/// `least` of them change their sign: those of noise do nearly every time, those of a smooth curve twice a period.
+fn of_differences(values: &[f64], order: usize, least: f64) -> Option<f64> {
+    let mut weights = vec![1.0];
+    for _ in 0..order {
+        let before = |k: usize| if k == 0 { 0.0 } else { weights[k - 1] };
+        weights = (0..=weights.len()).map(|k| weights.get(k).unwrap_or(&0.0) - before(k)).collect();
+    }
+    let difference = |w: &[f64]| w.iter().zip(&weights).map(|(value, weight)| value * weight).sum::<f64>();
+    let mut differences: Vec<f64> = values.windows(order + 1).map(difference).collect();
     let changes = differences.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count();
-    if 2 * changes <= differences.len() {
-        return 0.0;
+    if changes as f64 <= least * differences.len() as f64 {
+        return None;
     }
     differences.iter_mut().for_each(|difference| *difference = difference.abs());
     let middle = differences.len() / 2;
     let (_, median, _) = differences.select_nth_unstable_by(middle, f64::total_cmp);
-    // The median of a normal variable's magnitude is 0.6745 σ; the weights' squares add to 70.
-    *median / 0.674_489_75 / 70.0_f64.sqrt()
+    // The median of a normal variable's magnitude is 0.6745 σ.
+    let size = weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt();
+    Some(*median / 0.674_489_75 / size)
 }
 
 /// How a motion goes on outside of its samples.
@@ -236,6 +258,24 @@ mod tests {
         let rate = |i: usize| TAU / 400.0 * (TAU * i as f64 / 400.0).cos();
         let plain = rms(&mut (1..1199).map(|i| 0.5 * (noisy[i + 1] - noisy[i - 1]) - rate(i)));
         assert!(rms(&mut (40..1160).map(|i| motion.rates[i] - rate(i))) < 0.05 * plain);
+    }
+
+    #[test]
+    fn noise_is_measured_on_what_few_samples_describe() {
+        for samples in [8.0, 12.0, 16.0, 40.0] {
+            for size in [3e-3, 3e-4] {
+                let wave = |i: usize| (TAU * i as f64 / samples).sin() + 0.3 * (TAU * i as f64 / 90.0).cos();
+                let noisy: Vec<f64> = (0..2400).map(|i| wave(i) + size * noise(i)).collect();
+                let found = white_noise_of_few(&noisy) / size;
+                assert!((0.9..1.3).contains(&found), "{samples} {size}: {found}");
+            }
+            let clean: Vec<f64> = (0..2400).map(|i| (TAU * i as f64 / samples).sin()).collect();
+            assert!(white_noise_of_few(&clean) < 1e-12, "{samples}");
+        }
+        // What fills a half of the band is no noise.
+        let tones =
+            |i: usize| (1..60).map(|k| (TAU * k as f64 / 240.0 * i as f64 + (k * k) as f64).sin()).sum();
+        assert_eq!(white_noise_of_few(&(0..2400).map(tones).collect::<Vec<f64>>()), 0.0);
     }
 
     #[test]
