@@ -53,9 +53,9 @@ fn needed(data: &Measured, k: usize, model: &Model) -> Result<usize, String> {
     Ok((needed as usize).clamp(1, FINER))
 }
 
-/// `posterior` moved to where refined simulations fit best, as far as their error alone moves it: unknowns at their bounds stay
-/// there, and so does all of it where refined simulations leave more there than the others did, as another of several responses
-/// would. Records that cannot be refined move nothing.
+/// `posterior` moved to where refined simulations fit best: unknowns at their bounds stay there, and so does all of it where
+/// refined simulations leave more there than the others did, as another of several responses would. Records that cannot be
+/// refined count as they are. The search before ends where the error of its own steps holds it up, a deviation and more away.
 pub(super) fn refined(data: &Measured, posterior: &Posterior) -> Result<Posterior, String> {
     if posterior.model.structure == Structure::Prescribed {
         return Ok(posterior.clone());
@@ -64,10 +64,9 @@ pub(super) fn refined(data: &Measured, posterior: &Posterior) -> Result<Posterio
     let mut joint = Joint::new(data, &posterior.model, &posterior.unknowns, &latent)?;
     let mut y = white_round(&mut joint, &posterior.y[..count], HERE)?;
     joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
-    let unrefined = joint.sums_here(&y);
-    let (mut best, mut least) = (y.clone(), unrefined.cost);
+    let (mut best, mut least) = (y.clone(), joint.sums_here(&y).cost);
     for _ in 0..=MOVES {
-        let Ok(there) = Refined::at(&mut joint, &y, &unrefined.gradient) else { break };
+        let Ok(there) = Refined::at(&mut joint, &y) else { break };
         if there.cost < least {
             (best, least) = (y, there.cost);
         }
@@ -91,8 +90,8 @@ struct Refined {
 }
 
 impl Refined {
-    /// At the point `y` that was linearised; predictions that are not refined fit where their gradient is `unrefined`.
-    fn at(joint: &mut Joint, y: &[f64], unrefined: &[f64]) -> Result<Self, String> {
+    /// At the point `y` that was linearised.
+    fn at(joint: &mut Joint, y: &[f64]) -> Result<Self, String> {
         let (data, n) = (joint.data, y.len());
         let (sums, model, whitened) = (joint.sums_here(y), joint.model(y)?, joint.whitened());
         let error = |slot: &mut Slot| {
@@ -101,8 +100,7 @@ impl Refined {
         let errors: Vec<Option<Vec<f64>>> = joint.slots.par_iter_mut().map(error).collect();
         data.bench.unless_interrupted()?;
         data.bench.count(FINER * whitened.len());
-        let mut cost = sums.cost;
-        let mut gradient = DVector::from_vec(sums.gradient) - DVector::from_column_slice(unrefined);
+        let (mut cost, mut gradient) = (sums.cost, DVector::from_vec(sums.gradient));
         for (k, (record, error)) in whitened.iter().zip(errors).enumerate() {
             let Some(error) = error else { continue };
             let error = joint.noise.whiten(data, k, &error);
