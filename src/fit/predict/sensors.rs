@@ -21,25 +21,33 @@ pub(crate) fn fault(model: &Model, channel: &Channel) -> Option<SensorFault> {
 /// Turns the true motion `values` of `channel` into what the model's faulty sensors show of it.
 ///
 /// A steady record is late by the phases of its harmonics; elsewhere values are read between samples as
-/// [`read_at`] does. With `timed` the values are those of the moments that the sensor shows already. In a table a delay turns
+/// [`read_at`] does. What a sensor shows of the time after the record follows from no input and is taken as measured. With `timed` the values are those of the moments that the sensor shows already. In a table a delay turns
 /// phases and a gain scales amplitudes; nothing else of a fault shows there.
 pub(crate) fn apply(model: &Model, record: &Record, channel: &Channel, timed: bool, values: &mut [f64]) {
     let Some(fault) = fault(model, channel) else { return };
     if record.regime.is_table() {
         return tabulate(&fault, record, channel, values);
     }
+    let mut foretold = values.len();
     if !timed
         && !fault.is_on_time()
         && let Some(step) = record.sample_step()
     {
+        let place = |index| fault.place(index, step);
         match record.regime {
             Regime::Steady => turn(values, fault.delay / step),
-            _ => values.copy_from_slice(&read_at(values, |index| fault.place(index, step))),
+            _ => {
+                foretold =
+                    (0..values.len()).take_while(|index| place(*index) <= (values.len() - 1) as f64).count();
+                values.copy_from_slice(&read_at(values, place));
+            }
         }
     }
-    for value in values {
+    let (shown, after) = values.split_at_mut(foretold);
+    for value in shown {
         *value = fault.gain * *value + fault.bias;
     }
+    after.copy_from_slice(&channel.values[foretold..]);
 }
 
 /// The same of a column of a table.
@@ -81,11 +89,8 @@ fn turn(values: &mut [f64], samples: f64) {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::TAU;
-
-    use super::turn;
-    use crate::effects::SensorFault;
-    use crate::fit::predict::motion::read_at;
+    use super::*;
+    use crate::fit::predict::predict;
 
     #[test]
     fn a_late_line_lies_lower_by_its_slope() {
@@ -103,6 +108,38 @@ mod tests {
                 assert!((value - (index as f64 - samples).max(0.0)).abs() < 1e-12, "{samples}: {value}");
             }
         }
+    }
+
+    #[test]
+    fn what_comes_after_the_record_is_not_foretold() {
+        let model = |effect: &str| {
+            Model::parse(&format!(
+                "schema = \"stickslip.model/1\"\nkind = \"oscillator\"\n[[mass]]\nname = \"m\"\nmass = 1.0\n[[spring]]\n\
+                 between = [\"ground\", \"m\"]\nstiffness = 1e4\ndamping = 2.0\n{effect}"
+            ))
+            .unwrap()
+        };
+        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+        let force = |i: u32| (0.2 * f64::from(i)).sin();
+        let record = |count: u32, shown: Vec<f64>| Record {
+            name: "r".into(),
+            regime: Regime::FromRest,
+            use_for: None,
+            channels: vec![
+                channel("time", "s", (0..count).map(|i| 1e-3 * f64::from(i)).collect()),
+                channel("excitation:m", "N", (0..count).map(force).collect()),
+                channel("displacement:m", "m", shown),
+            ],
+        };
+        // By a clock 1 % fast, of a motion that goes on.
+        let fast =
+            "[[effect]]\nid = \"sensor_clock_drift\"\nchannel = \"displacement:m\"\nclock_error = 0.01\n";
+        let on_time = predict(&model(""), &record(1100, vec![0.0; 1100])).unwrap().remove(0).values;
+        let measured = read_at(&on_time, |index| 1.01 * index as f64)[..1000].to_vec();
+        let largest = measured.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let shown = predict(&model(fast), &record(1000, measured.clone())).unwrap().remove(0).values;
+        let off = shown.iter().zip(&measured).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-4 * largest, "{off} of {largest}");
     }
 
     #[test]
