@@ -21,8 +21,9 @@ pub(crate) fn fault(model: &Model, channel: &Channel) -> Option<SensorFault> {
 /// Turns the true motion `values` of `channel` into what the model's faulty sensors show of it.
 ///
 /// A steady record is late by the phases of its harmonics; elsewhere values are read between samples as
-/// [`read_at`] does. What a sensor shows of the time after the record follows from no input and is taken as measured. With `timed` the values are those of the moments that the sensor shows already. In a table a delay turns
-/// phases and a gain scales amplitudes; nothing else of a fault shows there.
+/// [`read_at`] does. What a sensor shows of the time after the record follows from no input and is taken as measured.
+/// With `timed` the values are those of the moments that the sensor shows already. In a table a delay turns phases and
+/// a gain scales amplitudes; nothing else of a fault shows there.
 pub(crate) fn apply(model: &Model, record: &Record, channel: &Channel, timed: bool, values: &mut [f64]) {
     let Some(fault) = fault(model, channel) else { return };
     if record.regime.is_table() {
