@@ -46,7 +46,7 @@ impl Oscillator {
             .flat_map(|_| excitations(limit, [free, stuck, second], pace * LINE_SPACING, &mut plan))
             .collect();
         if setting == Setting::Coarse {
-            // Lines between the forces that are tabulated would be too small by 2e-4 at four times the pace.
+            // Lines between the forces that are tabulated would be too small by (ωh)²/12, 4e-4 at four times the pace.
             rig.steps *= 10;
         }
         rig.tells_noise = setting != Setting::NoiseUntold;
