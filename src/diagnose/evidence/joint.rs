@@ -24,6 +24,16 @@ struct Points {
     corrections: usize,
 }
 
+/// What was linearised at a point.
+#[derive(Debug, Clone)]
+pub(super) struct Tangents {
+    at: Vec<f64>,
+    /// Of the secants.
+    steps: Vec<f64>,
+    /// Per record and unknown.
+    derivatives: Vec<Vec<Vec<f64>>>,
+}
+
 /// Ratio of steps that are alike.
 const LEAST_ALIKE: f64 = 0.1;
 /// Times that derivatives of a motion from rest are corrected by what trials showed before they are taken anew.
@@ -121,6 +131,39 @@ impl<'a, 'd> Joint<'a, 'd> {
             .collect()
     }
 
+    /// What was linearised at `y`, for hypotheses with more unknowns; `None` where records have unknowns of their own, or where
+    /// solutions bring their derivatives.
+    pub fn tangents(&self, y: &[f64]) -> Option<Tangents> {
+        let shared = y.len() == self.unknowns.len();
+        (shared && self.is_stepped()).then(|| Tangents {
+            at: y.to_vec(),
+            steps: self.steps.clone(),
+            derivatives: self.slots.iter().map(|slot| slot.derivatives.clone()).collect(),
+        })
+    }
+
+    /// Linearises at `y`, whose first unknowns are those of the `known` tangents: the derivatives by the others alone are taken
+    /// by differences.
+    pub fn extend(&mut self, y: &[f64], known: &Tangents) -> Result<(), String> {
+        let (model, count) = (self.model(y)?, known.at.len());
+        let moved = self.moved(y)?.split_off(count);
+        let data = self.data;
+        self.slots.par_iter_mut().zip(&known.derivatives).try_for_each(|(slot, derivatives)| {
+            data.bench.unless_interrupted()?;
+            slot.linearise(&model, &moved, y, &[])?;
+            slot.take();
+            slot.derivatives.splice(0..0, derivatives.iter().cloned());
+            Ok::<(), String>(())
+        })?;
+        self.simulations += self.slots.len() * (1 + moved.len());
+        self.steps[..count].copy_from_slice(&known.steps);
+        let mut differenced = known.at.clone();
+        differenced.resize(y.len(), 0.0);
+        self.points =
+            Points { linearised: y.to_vec(), differenced, steps: self.steps.clone(), ..Points::default() };
+        Ok(())
+    }
+
     /// Linearises at `y`, with the derivatives that are there as long as they are near.
     fn linearise(&mut self, y: &[f64]) -> Result<(), String> {
         if self.points.linearised == y {
@@ -143,8 +186,12 @@ impl<'a, 'd> Joint<'a, 'd> {
 
     /// Whether trials tell as much as differences: a solution that is solved for brings its own derivatives.
     fn is_correctable(&self) -> bool {
+        self.is_stepped() && !self.points.differenced.is_empty()
+    }
+
+    fn is_stepped(&self) -> bool {
         let stepped = self.data.records.iter().all(|record| self.data.bench.lanes[*record].seed.is_none());
-        stepped && self.latent.count == 0 && !self.points.differenced.is_empty()
+        stepped && self.latent.count == 0
     }
 
     /// Whether no unknown is farther than a step from where derivatives were taken by differences, with steps alike.

@@ -3,9 +3,10 @@
 
 use rayon::prelude::*;
 
+use super::joint::Tangents;
 use super::measured::Measured;
-use super::posterior::{GLANCE, LOOK, Posterior, Start, screen};
-use super::probe::Probe;
+use super::posterior::{LOOK, Posterior, Start, glance, screen};
+use super::probe::{Probe, Probed};
 use super::search::{
     BEHIND, Search, Set, TWICE, WORTH, best_of_each, evidence, is_adequate, promising, rank,
 };
@@ -28,14 +29,20 @@ impl Search<'_, '_, '_> {
     }
 
     /// A set of one more member than `parent` from where a probe says, after a glance.
-    pub(super) fn glanced(&self, data: &Measured, parent: &Set, probe: &Probe) -> Option<Set> {
+    pub(super) fn glanced(
+        &self,
+        data: &Measured,
+        parent: &Set,
+        tangents: Option<&Tangents>,
+        probe: &Probe,
+    ) -> Option<Set> {
         let prepared = &self.candidates[probe.candidate];
         let mut y = probe.start(&prepared.coordinates[0]);
         let (low, high) = prepared.coordinates[0].bounds();
         y[0] = y[0].clamp(low, high);
         let (model, unknowns, start) = self.extended(&parent.posterior, probe.candidate, &y);
         let start = Start { model: &model, unknowns: &unknowns, y: &start };
-        let posterior = screen(data, &start, GLANCE).ok()?;
+        let posterior = glance(data, &start, tangents).ok()?;
         (self.report)(prepared.candidate.effect.id);
         let members = parent.members.iter().copied().chain([probe.candidate]).collect();
         Some(Set { members, discrepancy: None, posterior, screened: true })
@@ -43,9 +50,10 @@ impl Search<'_, '_, '_> {
 
     /// Glances at those sets of one more member than `parent` that a line promises something of.
     fn glances(&self, data: &Measured, parent: &Set) -> Vec<Set> {
-        let mut probes = self.probed(data, parent);
+        let Probed { mut probes, tangents } = self.probed(data, parent);
         probes.retain(|probe| probe.gain > WORTH);
-        promising(probes).par_iter().filter_map(|probe| self.glanced(data, parent, probe)).collect()
+        let glanced = |probe| self.glanced(data, parent, tangents.as_ref(), probe);
+        promising(probes).par_iter().filter_map(glanced).collect()
     }
 
     /// Sets of one member, beside the model as it was given, refitted about the motions as they were measured, in the place
@@ -56,13 +64,13 @@ impl Search<'_, '_, '_> {
         if !moved(looks, &mut given) {
             return Vec::new();
         }
-        let probes = self.probed(looks, &given);
+        let probes = self.probed(looks, &given).probes;
         let [once, more] = [1.0, MORE].map(|multiple| self.everywhere(&probes, multiple));
         let worth = probes.into_iter().filter(|probe| probe.gain > WORTH).collect();
         // A start that is far off promises much that is not there: each amount keeps its own best.
         let found = [promising(worth).into_iter().chain(once).collect(), more].map(|wanted: Vec<Probe>| {
             let seen: Vec<Set> =
-                wanted.par_iter().filter_map(|probe| self.glanced(looks, &given, probe)).collect();
+                wanted.par_iter().filter_map(|probe| self.glanced(looks, &given, None, probe)).collect();
             best_of_each(seen.into_iter())
         });
         let mut found = found.concat();

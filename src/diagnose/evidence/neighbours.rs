@@ -3,9 +3,8 @@
 
 use rayon::prelude::*;
 
-use super::latent::Latent;
 use super::looks::moved;
-use super::posterior::{GLANCE, LOOK, Start, fit, screen};
+use super::posterior::{GLANCE, LOOK, Start, screen};
 use super::probe;
 use super::search::{BEHIND, Search, Set, evidence, keep, rank};
 use super::unknown::Unknown;
@@ -49,19 +48,19 @@ fn is_behind(sets: &[Set], set: &Set, place: usize, other: usize) -> bool {
 }
 
 impl Search<'_, '_, '_> {
-    /// Every subset of one less of the likely sets, fitted from the larger one's parameters: a smaller set that stuck
-    /// would make the larger one look better than it is.
+    /// Every subset of one less of the likely sets, looked at from the larger one's parameters, and fitted from there where it
+    /// may be likely: a smaller set that stuck would make the larger one look better than it is.
     pub(super) fn repair(&self, sets: &mut Vec<Set>) {
         for size in (1..=self.most).rev() {
             let weights = weights::of(self.data, sets, self.candidates);
             let likely = (0..sets.len()).filter(|k| sets[*k].size() == size && weights[*k] > LIKELY);
             let wanted: Vec<(usize, usize)> =
                 likely.flat_map(|k| (0..size).map(move |place| (k, place))).collect();
-            let found: Vec<Set> = wanted
-                .par_iter()
-                .filter_map(|(k, place)| self.without(&sets[0], &sets[*k], *place))
-                .collect();
-            found.into_iter().for_each(|set| keep(sets, set));
+            let without = |(k, place): &(usize, usize)| self.without(&sets[0], &sets[*k], *place);
+            let mut found: Vec<Set> = wanted.par_iter().filter_map(without).collect();
+            found.retain(|set| self.may_be_likely(set, sets));
+            found.par_iter_mut().for_each(|set| self.finish(set));
+            found.into_iter().filter(|set| !set.screened).for_each(|set| keep(sets, set));
         }
     }
 
@@ -110,12 +109,21 @@ impl Search<'_, '_, '_> {
         Some(Set { members, discrepancy: None, posterior, screened: true })
     }
 
-    /// `set` without the member in a place, fitted from where it is; `empty` has no member.
+    /// Whether a whole fit from where a look at `set` ended may make it likely: it is not far behind the best of `sets`, or half
+    /// as far as what is known of its members.
+    fn may_be_likely(&self, set: &Set, sets: &[Set]) -> bool {
+        let best = sets.iter().map(evidence).fold(f64::NEG_INFINITY, f64::max);
+        let known = sets.iter().find(|known| known.has_just(&set.members) && !known.screened);
+        let halfway = known.map_or(f64::NEG_INFINITY, |known| 0.5 * (evidence(known) + best));
+        evidence(set) > halfway.min(best - BEHIND)
+    }
+
+    /// `set` without the member in a place, looked at from where it is; `empty` has no member.
     fn without(&self, empty: &Set, set: &Set, place: usize) -> Option<Set> {
         let (members, model, unknowns, y) = self.replaced(empty, set, place, None);
         let start = Start { model: &model, unknowns: &unknowns, y: &y };
-        let posterior = fit(self.data, &start, &Latent::default(), None).ok()?;
-        Some(Set { members, discrepancy: None, posterior, screened: false })
+        let posterior = screen(self.data, &start, LOOK).ok()?;
+        Some(Set { members, discrepancy: None, posterior, screened: true })
     }
 
     /// Adds the best set of a size in all forms that its members have and that may be the likeliest; where all was `adequate` before

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::joint::Joint;
+use super::joint::{Joint, Tangents};
 use super::latent::Latent;
 use super::measured::{Measured, NoisePrior};
 use super::slot::Slot;
@@ -140,15 +140,33 @@ pub(super) fn screened(
 ) -> Result<(Posterior, Solutions), String> {
     let latent = Latent::default();
     let mut joint = Joint::new(data, start.model, start.unknowns, &latent)?;
-    let mut y = white_round(&mut joint, start.y, extent)?;
-    joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
-    let found = posterior(&joint, start.unknowns, &mut y, true)?;
-    data.bench.count_refit();
-    data.bench.count(joint.simulations);
+    let y = white_round(&mut joint, start.y, extent)?;
+    let found = promised(&mut joint, start.unknowns, y)?;
     let solution =
         |(record, slot): (&usize, &Slot)| Some((*record, Seed::Near(slot.shown.solution()?.clone())));
     let solutions = data.records.iter().zip(&joint.slots).filter_map(solution).collect();
     Ok((found, solutions))
+}
+
+/// A glance at a hypothesis with more unknowns than one whose derivatives are `known`.
+pub(super) fn glance(data: &Measured, start: &Start, known: Option<&Tangents>) -> Result<Posterior, String> {
+    let latent = Latent::default();
+    let mut joint = Joint::new(data, start.model, start.unknowns, &latent)?;
+    let mut y = joint.settle(start.y)?;
+    if let Some(known) = known {
+        joint.extend(&y, known)?;
+    }
+    white_steps(&mut joint, &mut y, GLANCE)?;
+    promised(&mut joint, start.unknowns, y)
+}
+
+/// What the last linearisation promises under the noise that is left.
+fn promised(joint: &mut Joint, unknowns: &[Unknown], mut y: Vec<f64>) -> Result<Posterior, String> {
+    joint.noise.renew(joint.data, &joint.priors, &joint.residuals(), true);
+    let found = posterior(joint, unknowns, &mut y, true)?;
+    joint.data.bench.count_refit();
+    joint.data.bench.count(joint.simulations);
+    Ok(found)
 }
 
 /// A whole fit: white noise first, so that noise with a memory does not absorb what a better start would explain.
@@ -190,20 +208,26 @@ pub(super) fn fit(
 }
 
 /// From the `shared` unknowns with starts of the records scanned anew, under white noise of the size of the residuals.
-pub(super) fn white_round(
-    joint: &mut Joint,
-    shared: &[f64],
-    Extent { steps, tolerance }: Extent,
-) -> Result<Vec<f64>, String> {
-    let data = joint.data;
+pub(super) fn white_round(joint: &mut Joint, shared: &[f64], extent: Extent) -> Result<Vec<f64>, String> {
     let mut y = joint.settle(shared)?;
-    joint.minimise(&mut y, 0, tolerance)?;
+    white_steps(joint, &mut y, extent)?;
+    Ok(y)
+}
+
+/// The same from the point `y`.
+fn white_steps(
+    joint: &mut Joint,
+    y: &mut Vec<f64>,
+    Extent { steps, tolerance }: Extent,
+) -> Result<(), String> {
+    let data = joint.data;
+    joint.minimise(y, 0, tolerance)?;
     joint.noise.renew(data, &joint.priors, &joint.residuals(), false);
     if steps > 0 {
-        joint.minimise(&mut y, steps, tolerance)?;
+        joint.minimise(y, steps, tolerance)?;
         joint.noise.renew(data, &joint.priors, &joint.residuals(), false);
     }
-    Ok(y)
+    Ok(())
 }
 
 /// At the last linearised point `y` under the present noise; `promised` with what one more step would gain.

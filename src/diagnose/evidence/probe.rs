@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::joint::{Joint, dot};
+use super::joint::{Joint, Tangents, dot};
 use super::latent::Latent;
 use super::measured::Measured;
 use super::posterior::{HERE, Posterior, white_round};
@@ -231,13 +231,21 @@ fn is_far(probe: &Probe) -> bool {
     away && best(probe).abs() <= SIZES[1]
 }
 
-/// Probes of the candidates in `which` about `parent`, best first.
+/// Probes about a hypothesis, best first.
+#[derive(Debug, Default)]
+pub(super) struct Probed {
+    pub probes: Vec<Probe>,
+    /// What serves those that begin at one of them.
+    pub tangents: Option<Tangents>,
+}
+
+/// Probes of the candidates in `which` about `parent`.
 pub(super) fn around(
     data: &Measured,
     parent: &Posterior,
     candidates: &[Prepared],
     which: &[usize],
-) -> Result<Vec<Probe>, String> {
+) -> Result<Probed, String> {
     let latent = Latent::default();
     let mut joint = Joint::new(data, &parent.model, &parent.unknowns, &latent)?;
     let y = white_round(&mut joint, &parent.y, HERE)?;
@@ -272,7 +280,7 @@ pub(super) fn around(
     found.extend(unreached);
     data.bench.count(joint.simulations);
     found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    Ok(found)
+    Ok(Probed { probes: found, tangents: joint.tangents(&y) })
 }
 
 /// What lines through `places`, each of a candidate, promise about `parent`, to which `joint` is settled at `y`.
@@ -332,6 +340,7 @@ mod tests {
     use super::*;
     use crate::data::{Channel, Record, Regime};
     use crate::diagnose::candidates::tried;
+    use crate::diagnose::evidence::posterior::{Start, glance};
     use crate::diagnose::evidence::{again, first};
     use crate::diagnose::measurements::magnitudes;
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
@@ -365,6 +374,33 @@ mod tests {
     }
 
     #[test]
+    fn a_glance_beside_what_was_linearised_ends_where_one_of_its_own_does_in_fewer_simulations() {
+        let (model, dataset) = measured(0.1);
+        let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
+        let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
+        let base = first(&data, None, &model).and_then(|(first, _)| again(&data, &first)).unwrap();
+        let only = ["backlash", "residual_stiffness", "contact_damping"].map(str::to_owned);
+        let (tried, _) = tried(&model, &bench, Some(&only));
+        let scales = magnitudes::of(&model, &dataset);
+        let (candidates, _) = prepare(&data, &base, &tried, &scales, &dataset).unwrap();
+        for (owner, candidate) in candidates.iter().enumerate() {
+            let probed = around(&data, &base, &candidates, &[owner]).unwrap();
+            let y = probed.probes[0].start(&candidate.coordinates[0]);
+            let model = candidate.added_to(&base.model, &y);
+            let unknowns: Vec<Unknown> =
+                base.unknowns.iter().cloned().chain(candidate.unknowns(&model, owner)).collect();
+            let start = Start { model: &model, unknowns: &unknowns, y: &[&base.y[..], &y].concat() };
+            let [beside, own] =
+                [probed.tangents.as_ref(), None].map(|known| glance(&data, &start, known).unwrap());
+            // Two derivatives of three records the less.
+            assert!(beside.simulations + 6 <= own.simulations, "{} {}", beside.simulations, own.simulations);
+            let gain = own.log_evidence - base.log_evidence;
+            let apart = beside.log_evidence - own.log_evidence;
+            assert!(apart.abs() < 0.2 * gain.abs(), "{owner}: {apart} of {gain}");
+        }
+    }
+
+    #[test]
     fn a_little_of_what_saturates_is_looked_at_from_near() {
         for play in [0.01, 0.03, 0.1] {
             let (model, dataset) = measured(play);
@@ -374,7 +410,7 @@ mod tests {
             let (tried, _) = tried(&model, &bench, Some(&["backlash".to_owned()]));
             let scales = magnitudes::of(&model, &dataset);
             let (candidates, _) = prepare(&data, &base, &tried, &scales, &dataset).unwrap();
-            let found = around(&data, &base, &candidates, &[0]).unwrap();
+            let found = around(&data, &base, &candidates, &[0]).unwrap().probes;
             let best = &found[0];
             let gap = candidates[0].coordinates[0].value(best.y[0] * best.multiple);
             assert!(best.multiple > 0.3, "{play}: {best:?}");

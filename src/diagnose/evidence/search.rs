@@ -3,10 +3,11 @@
 use rayon::prelude::*;
 
 use super::discrepancy::{self, Discrepancy};
+use super::joint::Tangents;
 use super::looks::moved;
 use super::measured::Measured;
 use super::posterior::{Posterior, Start, fit};
-use super::probe::{self, Prepared, Probe};
+use super::probe::{self, Prepared, Probe, Probed};
 use super::unknown::Unknown;
 use crate::model::Model;
 
@@ -178,7 +179,7 @@ impl Search<'_, '_, '_> {
     /// Glances at sets of one more member around the parents `from`, where a line through each promises something.
     fn around(&self, mut from: Vec<Set>, adequate: bool) -> Vec<Set> {
         let parents = from.clone();
-        let mut wanted: Vec<(usize, Probe)> = Vec::new();
+        let (mut wanted, mut tangents): (Vec<(usize, Probe)>, Vec<Option<Tangents>>) = Default::default();
         let few = (0..self.data.records.len()).map(|k| self.data.lane(k).measured.len()).sum::<usize>() < FEW;
         let worthy = |probe: &Probe| {
             let likely =
@@ -189,9 +190,10 @@ impl Search<'_, '_, '_> {
             from.par_iter_mut().for_each(|set| self.whiten(set));
         }
         for (k, parent) in from.iter().enumerate() {
-            let mut probes = self.probed(self.data, parent);
-            probes.retain(worthy);
-            wanted.extend(promising(probes).into_iter().map(|probe| (k, probe)));
+            let mut probed = self.probed(self.data, parent);
+            probed.probes.retain(worthy);
+            wanted.extend(promising(probed.probes).into_iter().map(|probe| (k, probe)));
+            tangents.push(probed.tangents);
         }
         let looks = self.looks.unwrap_or(self.data);
         if !adequate && let Some(looks) = self.looks {
@@ -199,15 +201,18 @@ impl Search<'_, '_, '_> {
             for (k, mut about) in from.clone().into_iter().enumerate() {
                 if moved(looks, &mut about) {
                     let known = |c: usize| wanted.iter().any(|(of, probe)| *of == k && probe.candidate == c);
-                    let mut probes = self.probed(looks, &about);
+                    let mut probes = self.probed(looks, &about).probes;
                     probes.retain(|probe| probe.gain > WORTH && !known(probe.candidate));
                     wanted.extend(promising(probes).into_iter().map(|probe| (from.len(), probe)));
                     from.push(about);
                 }
             }
         }
-        let seen: Vec<Option<Set>> =
-            wanted.par_iter().map(|(parent, probe)| self.glanced(looks, &from[*parent], probe)).collect();
+        let glanced = |(parent, probe): &(usize, Probe)| {
+            let tangents = tangents.get(*parent).and_then(Option::as_ref);
+            self.glanced(looks, &from[*parent], tangents, probe)
+        };
+        let seen: Vec<Option<Set>> = wanted.par_iter().map(glanced).collect();
         let led = parents.iter().filter(|_| !adequate).flat_map(|parent| self.led(parent));
         best_of_each(seen.into_iter().flatten().chain(led))
     }
@@ -234,7 +239,7 @@ impl Search<'_, '_, '_> {
     }
 
     /// Amounts of one more member beside `parent`, the most promising first.
-    pub(super) fn probed(&self, data: &Measured, parent: &Set) -> Vec<Probe> {
+    pub(super) fn probed(&self, data: &Measured, parent: &Set) -> Probed {
         let own = |m: &usize| self.candidates[*m].candidate.law.is_none();
         let absent = |m: &usize| !parent.members.iter().any(|member| self.are_forms(*m, *member));
         let which: Vec<usize> = (0..self.candidates.len()).filter(own).filter(absent).collect();
@@ -245,10 +250,10 @@ impl Search<'_, '_, '_> {
     pub fn alone(&self, base: &Posterior) -> Option<Posterior> {
         let every: Vec<usize> = (0..self.candidates.len()).collect();
         let parent = Set { members: Vec::new(), discrepancy: None, posterior: base.clone(), screened: false };
-        let probes = probe::around(self.data, base, self.candidates, &every).ok()?;
+        let Probed { probes, tangents } = probe::around(self.data, base, self.candidates, &every).ok()?;
         let looks = self.looks.unwrap_or(self.data);
-        let mut tried: Vec<Set> =
-            probes.par_iter().filter_map(|probe| self.glanced(looks, &parent, probe)).collect();
+        let glanced = |probe| self.glanced(looks, &parent, tangents.as_ref(), probe);
+        let mut tried: Vec<Set> = probes.par_iter().filter_map(glanced).collect();
         tried.extend(self.led(&parent));
         let mut tried = self.looked_at_best(tried).0;
         if let Some(looks) = self.looks {

@@ -1,5 +1,7 @@
 //! What excites a structure, from the columns of a record.
 
+use std::sync::OnceLock;
+
 use crate::data::{Record, Regime};
 use crate::fit::predict::motion::Motion;
 use crate::numeric::band_limited::band_limited;
@@ -75,6 +77,35 @@ fn within_periods(
     made.get(first..=first + count * finer).map(<[f64]>::to_vec)
 }
 
+/// A measured normal load.
+#[derive(Debug, Clone)]
+pub(in crate::fit::predict) struct MeasuredLoad {
+    /// As measured (N), over one period where it is periodic.
+    values: Vec<f64>,
+    /// Time from sample to sample (s), where that is even.
+    step: Option<f64>,
+    periodic: bool,
+    /// Most models have a constant load, and do not ask.
+    smooth: OnceLock<Vec<f64>>,
+}
+
+impl MeasuredLoad {
+    fn new(values: Vec<f64>, step: Option<f64>, periodic: bool) -> Self {
+        Self { values, step, periodic, smooth: OnceLock::new() }
+    }
+
+    /// At the samples (N), its noise reduced: a contact gives way whenever the load dips, and follows the dips of noise.
+    pub fn values(&self) -> &[f64] {
+        let Some(step) = self.step else { return &self.values };
+        let smooth = |values: &[f64]| Motion::even(values, step).values;
+        self.smooth.get_or_init(|| match self.periodic {
+            true => within_periods(&self.values, |values| Some(smooth(values)), 1)
+                .map_or_else(|| self.values.clone(), |once_more| once_more[..self.values.len()].to_vec()),
+            false => smooth(&self.values),
+        })
+    }
+}
+
 /// Forces and normal load at the samples: of one period where the record is steady.
 #[derive(Debug, Clone)]
 pub(in crate::fit::predict) struct Excitation {
@@ -85,8 +116,7 @@ pub(in crate::fit::predict) struct Excitation {
     /// Whether the first sample follows the last.
     pub periodic: bool,
     pub forces: Vec<ExcitationForce>,
-    /// Measured normal load (N), its noise reduced: a contact gives way whenever the load dips, and follows the dips of noise.
-    pub load: Option<Vec<f64>>,
+    pub load: Option<MeasuredLoad>,
 }
 
 impl Excitation {
@@ -96,10 +126,8 @@ impl Excitation {
         let values = &record.channel("excitation").ok_or("there is no `excitation` column")?.values;
         let step = record.sample_step();
         let force = ExcitationForce::new(0, values, false, step.is_some());
-        let load = record.channel("normal_load").map(|channel| match step {
-            Some(step) => Motion::even(&channel.values, step).values,
-            None => channel.values.clone(),
-        });
+        let load = record.channel("normal_load");
+        let load = load.map(|channel| MeasuredLoad::new(channel.values.clone(), step, false));
         Ok(Self { time, samples: record.len(), periodic: false, forces: vec![force], load })
     }
 
@@ -123,12 +151,7 @@ impl Excitation {
             load.iter_mut().for_each(|values| average(values, samples));
         }
         let force = |(at, values): &(usize, Vec<f64>)| ExcitationForce::new(*at, values, periodic, true);
-        let smooth = |values: &[f64]| Motion::even(values, step).values;
-        let mut load = load.map(|values| match periodic {
-            true => within_periods(&values, |values| Some(smooth(values)), 1).unwrap_or(values),
-            false => smooth(&values),
-        });
-        load.iter_mut().for_each(|values| values.truncate(samples));
+        let load = load.map(|values| MeasuredLoad::new(values, Some(step), periodic));
         let forces = forces.iter().map(force).collect();
         Ok(Self { time: vec![0.0, step], samples, periodic, forces, load })
     }
@@ -248,7 +271,8 @@ mod tests {
         let beam = Excitation::of_beam(&record("excitation", Regime::FromRest)).unwrap();
         for Excitation { load: found, samples, periodic, .. } in masses.into_iter().chain([beam]) {
             let found = found.unwrap();
-            let off = found.iter().zip(&load).take(samples).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+            let off =
+                found.values().iter().zip(&load).take(samples).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
             assert!((off / samples as f64).sqrt() < 0.1, "{periodic} {samples}: {off}");
         }
     }

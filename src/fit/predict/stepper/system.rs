@@ -1,7 +1,7 @@
 //! A structure excited as measured: a system whose ports are driven and read.
 
 use super::Stepper;
-use super::excitation::{Excitation, mass_of};
+use super::excitation::{Excitation, MeasuredLoad, mass_of};
 use crate::contact::JointChanges;
 use crate::data::{Channel, Record};
 use crate::fit::predict::channels::{derivative_order, position};
@@ -107,7 +107,8 @@ impl ExcitedSystem {
             *input = force.ramp(from, to);
         }
         if let Some((joint, constant)) = load {
-            let load = |index: usize| joint.normal_load(constant, measured.as_ref().map(|load| load[index]));
+            let measured = measured.as_ref().filter(|_| joint.load_gain.is_some()).map(MeasuredLoad::values);
+            let load = |index: usize| joint.normal_load(constant, measured.map(|load| load[index]));
             inputs[forces.len()] = Ramp::line(load(from), load(to));
         }
     }
