@@ -1,12 +1,15 @@
-//! Sets made from other sets: one member less, one member in another of its forms, or looked at again from a part that
-//! fits better.
+//! Sets made from other sets: with a discrepancy, one member less, one member in another of its forms or another candidate in
+//! its place, or looked at again from a part that fits better.
 
 use rayon::prelude::*;
 
+use super::discrepancy::{self, Discrepancy};
 use super::looks::moved;
-use super::posterior::{GLANCE, LOOK, Start, screen};
-use super::probe;
-use super::search::{BEHIND, Search, Set, evidence, keep, rank};
+use super::posterior::{GLANCE, LOOK, Posterior, Start, fit, screen};
+use super::probe::{self, Probe, Probed};
+use super::search::{
+    BEHIND, PARENTS, Search, Set, TWICE, WORTH, best_of_each, evidence, keep, promising, rank,
+};
 use super::unknown::Unknown;
 use super::weights;
 use crate::model::Model;
@@ -47,7 +50,67 @@ fn is_behind(sets: &[Set], set: &Set, place: usize, other: usize) -> bool {
     of(before).zip(of(&replaced)).is_some_and(|(before, replaced)| replaced < before - BEHIND)
 }
 
+/// Whether a whole fit from where a look at `set` ended may make it likely: it is not far behind the best of `sets`, or half as
+/// far as what is known of its members.
+fn may_be_likely(set: &Set, sets: &[Set]) -> bool {
+    let best = sets.iter().map(evidence).fold(f64::NEG_INFINITY, f64::max);
+    let known = sets.iter().find(|known| known.has_just(&set.members) && !known.screened);
+    let halfway = known.map_or(f64::NEG_INFINITY, |known| 0.5 * (evidence(known) + best));
+    evidence(set) > halfway.min(best - BEHIND)
+}
+
 impl Search<'_, '_, '_> {
+    /// Adds the likely sets with a discrepancy, those of `known` as they are where their sets did not change; in full
+    /// where to first order they are neither far behind nor far before the best.
+    pub(super) fn doubt(&self, sets: &mut Vec<Set>, known: Vec<Set>) {
+        let mut order: Vec<usize> = (0..sets.len()).filter(|k| !sets[*k].screened).collect();
+        order.sort_by(|a, b| evidence(&sets[*b]).total_cmp(&evidence(&sets[*a])));
+        order.truncate(PARENTS);
+        if !order.contains(&0) {
+            order.push(0);
+        }
+        let best = order.iter().map(|k| evidence(&sets[*k])).fold(f64::NEG_INFINITY, f64::max);
+        let doubted = |k: &usize| {
+            let set = &sets[*k];
+            let mut with = known
+                .iter()
+                .find(|with| with.members == set.members && with.posterior.y == set.posterior.y)
+                .cloned()
+                .or_else(|| self.doubted(set))?;
+            let force = with.discrepancy == Some(Discrepancy::Force);
+            if force && (evidence(&with) - best).abs() < BEHIND {
+                self.doubt_in_full(&mut with);
+            }
+            let without = (evidence(&with) > best - BEHIND).then(|| self.refitted_from(set, &with)).flatten();
+            Some((*k, with, without))
+        };
+        let found: Vec<(usize, Set, Option<Posterior>)> = order.par_iter().filter_map(doubted).collect();
+        for (k, with, without) in found {
+            sets.push(with);
+            without.into_iter().for_each(|better| sets[k].posterior = better);
+        }
+    }
+
+    /// The fit of `set` from where a likelier one with a discrepancy is, if it is better there. A discrepancy that was weighed
+    /// to first order alone is where the set is.
+    fn refitted_from(&self, set: &Set, with: &Set) -> Option<Posterior> {
+        if evidence(with) <= evidence(set) || with.posterior.y == set.posterior.y {
+            return None;
+        }
+        let found = super::again(self.data, &with.posterior).ok()?;
+        (found.log_evidence > evidence(set)).then_some(found)
+    }
+
+    fn doubt_in_full(&self, set: &mut Set) {
+        let Ok(doubt) = discrepancy::about(self.data, &set.posterior) else { return };
+        let Posterior { model, unknowns, .. } = &set.posterior;
+        let start = Start { model, unknowns, y: &doubt.y };
+        match fit(self.data, &start, &doubt.latent, Some(&doubt.priors)) {
+            Ok(whole) if whole.log_evidence > doubt.log_evidence => set.posterior = whole,
+            _ => {}
+        }
+    }
+
     /// Every subset of one less of the likely sets, looked at from the larger one's parameters, and fitted from there where it
     /// may be likely: a smaller set that stuck would make the larger one look better than it is.
     pub(super) fn repair(&self, sets: &mut Vec<Set>) {
@@ -58,7 +121,7 @@ impl Search<'_, '_, '_> {
                 likely.flat_map(|k| (0..size).map(move |place| (k, place))).collect();
             let without = |(k, place): &(usize, usize)| self.without(&sets[0], &sets[*k], *place);
             let mut found: Vec<Set> = wanted.par_iter().filter_map(without).collect();
-            found.retain(|set| self.may_be_likely(set, sets));
+            found.retain(|set| may_be_likely(set, sets));
             found.par_iter_mut().for_each(|set| self.finish(set));
             found.into_iter().filter(|set| !set.screened).for_each(|set| keep(sets, set));
         }
@@ -109,15 +172,6 @@ impl Search<'_, '_, '_> {
         Some(Set { members, discrepancy: None, posterior, screened: true })
     }
 
-    /// Whether a whole fit from where a look at `set` ended may make it likely: it is not far behind the best of `sets`, or half
-    /// as far as what is known of its members.
-    fn may_be_likely(&self, set: &Set, sets: &[Set]) -> bool {
-        let best = sets.iter().map(evidence).fold(f64::NEG_INFINITY, f64::max);
-        let known = sets.iter().find(|known| known.has_just(&set.members) && !known.screened);
-        let halfway = known.map_or(f64::NEG_INFINITY, |known| 0.5 * (evidence(known) + best));
-        evidence(set) > halfway.min(best - BEHIND)
-    }
-
     /// `set` without the member in a place, looked at from where it is; `empty` has no member.
     fn without(&self, empty: &Set, set: &Set, place: usize) -> Option<Set> {
         let (members, model, unknowns, y) = self.replaced(empty, set, place, None);
@@ -151,6 +205,38 @@ impl Search<'_, '_, '_> {
             found = self.likely_of(found, sets);
         }
         found.into_iter().for_each(|set| keep(sets, set));
+    }
+
+    /// Adds sets like `best`, which lacks something, with another candidate in the place of a member each, from where `best` is:
+    /// what explains a part leads to where a fit of another that explains all would not come by itself.
+    /// Whether one of them is likelier.
+    pub(super) fn in_exchange(&self, sets: &mut Vec<Set>, best: usize) -> bool {
+        let before = evidence(&sets[best]);
+        let exchanged = |place: usize| self.exchanged(&sets[0], &sets[best], place);
+        let mut found: Vec<Set> = (0..sets[best].members.len()).flat_map(exchanged).collect();
+        rank(&mut found);
+        self.finish_best(&mut found, sets, false);
+        found.retain(|set| !set.screened);
+        let likelier = found.iter().any(|set| evidence(set) > before);
+        found.into_iter().for_each(|set| keep(sets, set));
+        likelier
+    }
+
+    /// Looks at the most promising candidates in the place of a member of `set`.
+    fn exchanged(&self, empty: &Set, set: &Set, place: usize) -> Vec<Set> {
+        let (members, model, unknowns, y) = self.replaced(empty, set, place, None);
+        let posterior = Posterior { model, unknowns, y, ..set.posterior.clone() };
+        let parent = Set { members, discrepancy: None, posterior, screened: true };
+        let looks = self.looks.unwrap_or(self.data);
+        let Probed { mut probes, tangents } = self.probed(looks, &parent);
+        let member = set.members[place];
+        probes.retain(|probe| probe.gain > WORTH && probe.candidate != member);
+        probes.retain(|probe| !self.are_forms(member, probe.candidate));
+        let mut probes = promising(probes);
+        probes.truncate(TWICE);
+        let glanced = |probe: &Probe| self.glanced(looks, &parent, tangents.as_ref(), probe);
+        let glanced: Vec<Set> = probes.par_iter().filter_map(glanced).collect();
+        self.looked_at_best(best_of_each(glanced.into_iter())).0
     }
 
     /// `set` with candidate `other` in the place of a member, looked at from the best of its starts.
@@ -208,7 +294,6 @@ mod tests {
     use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::assumptions::Assumptions;
     use crate::diagnose::candidates::tried;
-    use crate::diagnose::evidence::posterior::Posterior;
     use crate::diagnose::evidence::{Measured, Question, again, first, weigh};
     use crate::diagnose::measurements::magnitudes;
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
@@ -255,23 +340,33 @@ mod tests {
         (0..sets.len()).filter(|k| best_within(sets, *k).is_some()).collect()
     }
 
+    fn set(members: &[usize], log_evidence: f64) -> Set {
+        let model = measured(&mut fastrand::Rng::with_seed(1)).0;
+        let posterior = Posterior {
+            model,
+            unknowns: Vec::new(),
+            y: Vec::new(),
+            log_evidence,
+            log_peak: log_evidence,
+            deviations: Vec::new(),
+            correlations: Vec::new(),
+            predictions: Vec::new(),
+            simulations: 0,
+        };
+        Set { members: members.to_vec(), discrepancy: None, posterior, screened: false }
+    }
+
+    #[test]
+    fn a_look_at_a_smaller_set_is_followed_where_it_is_not_far_behind_or_half_as_far_as_its_fit() {
+        let sets = [set(&[], -1000.0), set(&[1], 0.0), set(&[2], -30.0)];
+        let follows = |members: &[usize], at: f64| may_be_likely(&set(members, at), &sets);
+        assert!(!follows(&[], -1000.0) && !follows(&[], -501.0) && follows(&[], -499.0));
+        assert!(!follows(&[2], -29.0) && follows(&[2], -19.0));
+        assert!(follows(&[3], -1e6));
+    }
+
     #[test]
     fn a_form_that_was_behind_is_not_tried_again_beside_one_more() {
-        let set = |members: &[usize], log_evidence: f64| {
-            let model = measured(&mut fastrand::Rng::with_seed(1)).0;
-            let posterior = Posterior {
-                model,
-                unknowns: Vec::new(),
-                y: Vec::new(),
-                log_evidence,
-                log_peak: log_evidence,
-                deviations: Vec::new(),
-                correlations: Vec::new(),
-                predictions: Vec::new(),
-                simulations: 0,
-            };
-            Set { members: members.to_vec(), discrepancy: None, posterior, screened: false }
-        };
         let sets = [set(&[], 0.0), set(&[1], 900.0), set(&[2], 800.0), set(&[3], 895.0)];
         let pair = set(&[1, 7], 901.0);
         let behind = |place, other| is_behind(&sets, &pair, place, other);
@@ -307,6 +402,34 @@ mod tests {
             Search { data: &data, looks: None, beginnings: &[], candidates, most: 3, report }.nest(&mut sets);
             assert_eq!(stuck(&sets), []);
             assert!((peak(&sets[pair]) - free).abs() < STUCK, "{} {free}", peak(&sets[pair]));
+        }
+    }
+
+    #[test]
+    fn what_explains_a_part_leads_to_what_explains_more() {
+        let mut random = fastrand::Rng::with_seed(5);
+        for _ in 0..4 {
+            let (model, dataset) = measured(&mut random);
+            let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
+            let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
+            let base = first(&data, None, &model).and_then(|(first, _)| again(&data, &first)).unwrap();
+            let only = ["residual_stiffness", "asymmetry", "contact_damping", "wear"].map(str::to_owned);
+            let (tried, _) = tried(&model, &bench, Some(&only));
+            let scales = magnitudes::of(&model, &dataset);
+            let question =
+                Question { data: &data, looks: None, beginnings: &[], dataset: &dataset, scales: &scales };
+            let weighed = weigh(&question, base, &tried, 1, &|_| {}).unwrap();
+            let (candidates, report) = (&weighed.candidates, &|_: &str| {});
+            let sane = weighed.sets.into_iter().filter(|set| set.discrepancy.is_none());
+            let (empty, mut alone): (Vec<Set>, Vec<Set>) = sane.partition(|set| set.members.is_empty());
+            rank(&mut alone);
+            let search = Search { data: &data, looks: None, beginnings: &[], candidates, most: 1, report };
+            // Without the best of them: from the next it is found again.
+            let mut sets = vec![empty[0].clone(), alone[1].clone()];
+            assert!(search.in_exchange(&mut sets, 1));
+            let found = sets.iter().find(|set| set.has_just(&alone[0].members)).unwrap();
+            assert!((peak(found) - peak(&alone[0])).abs() < STUCK, "{} {}", peak(found), peak(&alone[0]));
+            assert!(!search.in_exchange(&mut vec![empty[0].clone(), alone[0].clone()], 1));
         }
     }
 }

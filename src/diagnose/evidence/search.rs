@@ -6,7 +6,7 @@ use super::discrepancy::{self, Discrepancy};
 use super::joint::Tangents;
 use super::looks::moved;
 use super::measured::Measured;
-use super::posterior::{Posterior, Start, fit};
+use super::posterior::Posterior;
 use super::probe::{self, Prepared, Probe, Probed};
 use super::unknown::Unknown;
 use crate::model::Model;
@@ -50,7 +50,7 @@ pub(super) const BEHIND: f64 = 20.0;
 /// nothing), that are fitted in full besides the one of the smallest residual, and that larger ones are made from, at most.
 pub(super) const TWICE: usize = 8;
 const FULL: usize = 5;
-const PARENTS: usize = 2;
+pub(super) const PARENTS: usize = 2;
 /// Fraction of a residual that leads where it is not of the likeliest.
 const CLOSER: f64 = 0.95;
 
@@ -73,12 +73,13 @@ impl Search<'_, '_, '_> {
         let mut doubts: Vec<Set> = Vec::new();
         let mut stalled = false;
         for size in 0..self.most {
-            let mut parents: Vec<usize> =
-                (0..sets.len()).filter(|k| sets[*k].members.len() == size).collect();
-            parents.sort_by(|a, b| evidence(&sets[*b]).total_cmp(&evidence(&sets[*a])));
+            let mut parents = of_size(&sets, size);
             let Some(best) = parents.first().copied() else { break };
-            let doubt = self.doubted(&sets[best]);
-            let adequate = is_adequate(self.data, &sets[best], doubt.as_ref());
+            let (mut doubt, mut adequate) = self.judged(&sets[best]);
+            if !adequate && size > 0 && self.in_exchange(&mut sets, best) {
+                parents = of_size(&sets, size);
+                (doubt, adequate) = self.judged(&sets[parents[0]]);
+            }
             doubts.extend(doubt);
             self.different(&sets, &mut parents);
             let closest = self.closest(parents.iter().map(|k| (*k, &sets[*k])));
@@ -104,6 +105,13 @@ impl Search<'_, '_, '_> {
         self.doubt(&mut sets, doubts);
         self.told("likely sets of effects with a discrepancy");
         sets
+    }
+
+    /// `set` with a discrepancy, and whether it lacks nothing.
+    fn judged(&self, set: &Set) -> (Option<Set>, bool) {
+        let doubt = self.doubted(set);
+        let adequate = is_adequate(self.data, set, doubt.as_ref());
+        (doubt, adequate)
     }
 
     /// Reports a stage that was done.
@@ -287,47 +295,6 @@ impl Search<'_, '_, '_> {
         }
     }
 
-    /// Adds the likely sets with a discrepancy, those of `known` as they are where their sets did not change; in full
-    /// where to first order they are neither far behind nor far before the best.
-    fn doubt(&self, sets: &mut Vec<Set>, known: Vec<Set>) {
-        let mut order: Vec<usize> = (0..sets.len()).filter(|k| !sets[*k].screened).collect();
-        order.sort_by(|a, b| evidence(&sets[*b]).total_cmp(&evidence(&sets[*a])));
-        order.truncate(PARENTS);
-        if !order.contains(&0) {
-            order.push(0);
-        }
-        let best = order.iter().map(|k| evidence(&sets[*k])).fold(f64::NEG_INFINITY, f64::max);
-        let doubted = |k: &usize| {
-            let set = &sets[*k];
-            let mut with = known
-                .iter()
-                .find(|with| with.members == set.members && with.posterior.y == set.posterior.y)
-                .cloned()
-                .or_else(|| self.doubted(set))?;
-            let force = with.discrepancy == Some(Discrepancy::Force);
-            if force && (evidence(&with) - best).abs() < BEHIND {
-                self.doubt_in_full(&mut with);
-            }
-            let without = (evidence(&with) > best - BEHIND).then(|| self.refitted_from(set, &with)).flatten();
-            Some((*k, with, without))
-        };
-        let found: Vec<(usize, Set, Option<Posterior>)> = order.par_iter().filter_map(doubted).collect();
-        for (k, with, without) in found {
-            sets.push(with);
-            without.into_iter().for_each(|better| sets[k].posterior = better);
-        }
-    }
-
-    /// The fit of `set` from where a likelier one with a discrepancy is, if it is better there. A discrepancy that was weighed
-    /// to first order alone is where the set is.
-    fn refitted_from(&self, set: &Set, with: &Set) -> Option<Posterior> {
-        if evidence(with) <= evidence(set) || with.posterior.y == set.posterior.y {
-            return None;
-        }
-        let found = super::again(self.data, &with.posterior).ok()?;
-        (found.log_evidence > evidence(set)).then_some(found)
-    }
-
     /// `set` with a discrepancy, to first order.
     pub(super) fn doubted(&self, set: &Set) -> Option<Set> {
         let doubt = discrepancy::about(self.data, &set.posterior).ok()?;
@@ -337,16 +304,13 @@ impl Search<'_, '_, '_> {
         with.posterior.predictions = doubt.predictions;
         Some(with)
     }
+}
 
-    fn doubt_in_full(&self, set: &mut Set) {
-        let Ok(doubt) = discrepancy::about(self.data, &set.posterior) else { return };
-        let Posterior { model, unknowns, .. } = &set.posterior;
-        let start = Start { model, unknowns, y: &doubt.y };
-        match fit(self.data, &start, &doubt.latent, Some(&doubt.priors)) {
-            Ok(whole) if whole.log_evidence > doubt.log_evidence => set.posterior = whole,
-            _ => {}
-        }
-    }
+/// Those of `sets` with so many members, the likeliest first.
+fn of_size(sets: &[Set], size: usize) -> Vec<usize> {
+    let mut found: Vec<usize> = (0..sets.len()).filter(|k| sets[*k].members.len() == size).collect();
+    found.sort_by(|a, b| evidence(&sets[*b]).total_cmp(&evidence(&sets[*a])));
+    found
 }
 
 /// The first two of each candidate, another where it promises nearly as much.
