@@ -28,8 +28,8 @@ struct Points {
 #[derive(Debug, Clone)]
 pub(super) struct Tangents {
     at: Vec<f64>,
-    /// Of the secants.
-    steps: Vec<f64>,
+    /// Steps of the secants that were taken, and of those to be taken next.
+    steps: [Vec<f64>; 2],
     /// Per record and unknown.
     derivatives: Vec<Vec<Vec<f64>>>,
 }
@@ -137,7 +137,7 @@ impl<'a, 'd> Joint<'a, 'd> {
         let shared = y.len() == self.unknowns.len();
         (shared && self.is_stepped()).then(|| Tangents {
             at: y.to_vec(),
-            steps: self.steps.clone(),
+            steps: [self.points.steps.clone(), self.steps.clone()],
             derivatives: self.slots.iter().map(|slot| slot.derivatives.clone()).collect(),
         })
     }
@@ -156,11 +156,13 @@ impl<'a, 'd> Joint<'a, 'd> {
             Ok::<(), String>(())
         })?;
         self.simulations += self.slots.len() * (1 + moved.len());
-        self.steps[..count].copy_from_slice(&known.steps);
+        let [taken, next] = &known.steps;
+        let steps = [&taken[..], &self.steps[count..]].concat();
+        self.steps[..count].copy_from_slice(next);
+        // Most derivatives are of a point without what the others bring.
         let mut differenced = known.at.clone();
         differenced.resize(y.len(), 0.0);
-        self.points =
-            Points { linearised: y.to_vec(), differenced, steps: self.steps.clone(), ..Points::default() };
+        self.points = Points { linearised: y.to_vec(), differenced, steps, ..Points::default() };
         Ok(())
     }
 

@@ -48,12 +48,15 @@ impl Search<'_, '_, '_> {
         Some(Set { members, discrepancy: None, posterior, screened: true })
     }
 
-    /// Glances at those sets of one more member than `parent` that a line promises something of.
-    fn glances(&self, data: &Measured, parent: &Set) -> Vec<Set> {
-        let Probed { mut probes, tangents } = self.probed(data, parent);
+    /// Glances at those sets of one more member than `parent`, of no form of `but`, that lines promise something of: from the
+    /// `most` starts that promise most.
+    pub(super) fn glances(&self, data: &Measured, parent: &Set, but: Option<usize>, most: usize) -> Vec<Set> {
+        let Probed { mut probes, tangents } = self.probed(data, parent, but);
         probes.retain(|probe| probe.gain > WORTH);
+        let mut starts = promising(probes);
+        starts.truncate(most);
         let glanced = |probe| self.glanced(data, parent, tangents.as_ref(), probe);
-        promising(probes).par_iter().filter_map(glanced).collect()
+        starts.par_iter().filter_map(glanced).collect()
     }
 
     /// Sets of one member, beside the model as it was given, refitted about the motions as they were measured, in the place
@@ -64,7 +67,7 @@ impl Search<'_, '_, '_> {
         if !moved(looks, &mut given) {
             return Vec::new();
         }
-        let probes = self.probed(looks, &given).probes;
+        let probes = self.probed(looks, &given, None).probes;
         let [once, more] = [1.0, MORE].map(|multiple| self.everywhere(&probes, multiple));
         let worth = probes.into_iter().filter(|probe| probe.gain > WORTH).collect();
         // A start that is far off promises much that is not there: each amount keeps its own best.
@@ -140,7 +143,7 @@ impl Search<'_, '_, '_> {
         if !moved(short, &mut parent) {
             return Vec::new();
         }
-        let mut found = self.glances(short, &parent);
+        let mut found = self.glances(short, &parent, None, usize::MAX);
         rank(&mut found);
         found.truncate(LED);
         found.par_iter_mut().for_each(|set| Self::screened(short, set));

@@ -6,10 +6,8 @@ use rayon::prelude::*;
 use super::discrepancy::{self, Discrepancy};
 use super::looks::moved;
 use super::posterior::{GLANCE, LOOK, Posterior, Start, fit, screen};
-use super::probe::{self, Probe, Probed};
-use super::search::{
-    BEHIND, PARENTS, Search, Set, TWICE, WORTH, best_of_each, evidence, keep, promising, rank,
-};
+use super::probe;
+use super::search::{BEHIND, PARENTS, Search, Set, TWICE, best_of_each, evidence, keep, rank};
 use super::unknown::Unknown;
 use super::weights;
 use crate::model::Model;
@@ -51,7 +49,7 @@ fn is_behind(sets: &[Set], set: &Set, place: usize, other: usize) -> bool {
 }
 
 /// Whether a whole fit from where a look at `set` ended may make it likely: it is not far behind the best of `sets`, or half as
-/// far as what is known of its members.
+/// far as what is known of its members, or nothing is known of these.
 fn may_be_likely(set: &Set, sets: &[Set]) -> bool {
     let best = sets.iter().map(evidence).fold(f64::NEG_INFINITY, f64::max);
     let known = sets.iter().find(|known| known.has_just(&set.members) && !known.screened);
@@ -209,7 +207,7 @@ impl Search<'_, '_, '_> {
 
     /// Adds sets like `best`, which lacks something, with another candidate in the place of a member each, from where `best` is:
     /// what explains a part leads to where a fit of another that explains all would not come by itself.
-    /// Whether one of them is likelier.
+    /// Gives whether one of them is likelier.
     pub(super) fn in_exchange(&self, sets: &mut Vec<Set>, best: usize) -> bool {
         let before = evidence(&sets[best]);
         let exchanged = |place: usize| self.exchanged(&sets[0], &sets[best], place);
@@ -224,19 +222,21 @@ impl Search<'_, '_, '_> {
 
     /// Looks at the most promising candidates in the place of a member of `set`.
     fn exchanged(&self, empty: &Set, set: &Set, place: usize) -> Vec<Set> {
-        let (members, model, unknowns, y) = self.replaced(empty, set, place, None);
-        let posterior = Posterior { model, unknowns, y, ..set.posterior.clone() };
-        let parent = Set { members, discrepancy: None, posterior, screened: true };
+        let Some(parent) = self.left_as_it_was(empty, set, place) else { return Vec::new() };
         let looks = self.looks.unwrap_or(self.data);
-        let Probed { mut probes, tangents } = self.probed(looks, &parent);
-        let member = set.members[place];
-        probes.retain(|probe| probe.gain > WORTH && probe.candidate != member);
-        probes.retain(|probe| !self.are_forms(member, probe.candidate));
-        let mut probes = promising(probes);
-        probes.truncate(TWICE);
-        let glanced = |probe: &Probe| self.glanced(looks, &parent, tangents.as_ref(), probe);
-        let glanced: Vec<Set> = probes.par_iter().filter_map(glanced).collect();
+        let glanced = self.glances(looks, &parent, Some(set.members[place]), TWICE);
         self.looked_at_best(best_of_each(glanced.into_iter())).0
+    }
+
+    /// `set` without the member in a place, all other numbers as they are; what it predicted with that stays beside them.
+    fn left_as_it_was(&self, empty: &Set, set: &Set, place: usize) -> Option<Set> {
+        let (members, mut model, unknowns, y) = self.replaced(empty, set, place, None);
+        let value = |(unknown, y): (&Unknown, &f64)| (unknown.path.clone(), unknown.coordinate.value(*y));
+        let values: Vec<(String, f64)> = unknowns.iter().zip(&y).map(value).collect();
+        let values: Vec<(&str, f64)> = values.iter().map(|(path, value)| (path.as_str(), *value)).collect();
+        model.set_all(&values).ok()?;
+        let posterior = Posterior { model, unknowns, y, ..set.posterior.clone() };
+        Some(Set { members, discrepancy: None, posterior, screened: true })
     }
 
     /// `set` with candidate `other` in the place of a member, looked at from the best of its starts.
@@ -402,6 +402,28 @@ mod tests {
             Search { data: &data, looks: None, beginnings: &[], candidates, most: 3, report }.nest(&mut sets);
             assert_eq!(stuck(&sets), []);
             assert!((peak(&sets[pair]) - free).abs() < STUCK, "{} {free}", peak(&sets[pair]));
+        }
+    }
+
+    #[test]
+    fn what_is_left_of_a_set_has_its_numbers() {
+        let (model, dataset) = measured(&mut fastrand::Rng::with_seed(2));
+        let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
+        let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
+        let base = first(&data, None, &model).and_then(|(first, _)| again(&data, &first)).unwrap();
+        let (tried, _) = tried(&model, &bench, Some(&["residual_stiffness".to_owned()]));
+        let scales = magnitudes::of(&model, &dataset);
+        let question =
+            Question { data: &data, looks: None, beginnings: &[], dataset: &dataset, scales: &scales };
+        let weighed = weigh(&question, base, &tried, 1, &|_| {}).unwrap();
+        let (candidates, report) = (&weighed.candidates, &|_: &str| {});
+        let search = Search { data: &data, looks: None, beginnings: &[], candidates, most: 1, report };
+        let with = weighed.sets.iter().find(|set| set.has_just(&[0])).unwrap();
+        let left = search.left_as_it_was(&weighed.sets[0], with, 0).unwrap();
+        assert!(left.members.is_empty() && left.posterior.model.effects.is_empty());
+        for path in ["contact.tangential_stiffness", "contact.friction_coefficient"] {
+            let of = |set: &Set| set.posterior.model.get(path).unwrap();
+            assert!((of(&left) / of(with) - 1.0).abs() < 1e-12 && of(&weighed.sets[0]) != of(with));
         }
     }
 

@@ -235,7 +235,7 @@ fn is_far(probe: &Probe) -> bool {
 #[derive(Debug, Default)]
 pub(super) struct Probed {
     pub probes: Vec<Probe>,
-    /// What serves those that begin at one of them.
+    /// The derivatives of the hypothesis, for those that begin at one of them.
     pub tangents: Option<Tangents>,
 }
 

@@ -47,7 +47,7 @@ const FEW: usize = 100;
 /// Behind the best by how much (in nats) a set is not worth a whole fit.
 pub(super) const BEHIND: f64 = 20.0;
 /// Sets of a size that are looked at twice (of one member all, where motions are solved for and none of these lacks
-/// nothing), that are fitted in full besides the one of the smallest residual, and that larger ones are made from, at most.
+/// nothing) or in the place of a member, that are fitted in full besides the one of the smallest residual, and that larger ones are made from, at most.
 pub(super) const TWICE: usize = 8;
 const FULL: usize = 5;
 pub(super) const PARENTS: usize = 2;
@@ -76,9 +76,13 @@ impl Search<'_, '_, '_> {
             let mut parents = of_size(&sets, size);
             let Some(best) = parents.first().copied() else { break };
             let (mut doubt, mut adequate) = self.judged(&sets[best]);
-            if !adequate && size > 0 && self.in_exchange(&mut sets, best) {
+            if !adequate && size > 0 {
+                if self.in_exchange(&mut sets, best) {
+                    self.in_other_forms(&mut sets, size, adequate);
+                    let best = of_size(&sets, size)[0];
+                    (doubt, adequate) = self.judged(&sets[best]);
+                }
                 parents = of_size(&sets, size);
-                (doubt, adequate) = self.judged(&sets[parents[0]]);
             }
             doubts.extend(doubt);
             self.different(&sets, &mut parents);
@@ -198,7 +202,7 @@ impl Search<'_, '_, '_> {
             from.par_iter_mut().for_each(|set| self.whiten(set));
         }
         for (k, parent) in from.iter().enumerate() {
-            let mut probed = self.probed(self.data, parent);
+            let mut probed = self.probed(self.data, parent, None);
             probed.probes.retain(worthy);
             wanted.extend(promising(probed.probes).into_iter().map(|probe| (k, probe)));
             tangents.push(probed.tangents);
@@ -209,7 +213,7 @@ impl Search<'_, '_, '_> {
             for (k, mut about) in from.clone().into_iter().enumerate() {
                 if moved(looks, &mut about) {
                     let known = |c: usize| wanted.iter().any(|(of, probe)| *of == k && probe.candidate == c);
-                    let mut probes = self.probed(looks, &about).probes;
+                    let mut probes = self.probed(looks, &about, None).probes;
                     probes.retain(|probe| probe.gain > WORTH && !known(probe.candidate));
                     wanted.extend(promising(probes).into_iter().map(|probe| (from.len(), probe)));
                     from.push(about);
@@ -246,10 +250,10 @@ impl Search<'_, '_, '_> {
         }
     }
 
-    /// Amounts of one more member beside `parent`, the most promising first.
-    pub(super) fn probed(&self, data: &Measured, parent: &Set) -> Probed {
+    /// Amounts of one more member beside `parent`, which is no form of `but`; the most promising first.
+    pub(super) fn probed(&self, data: &Measured, parent: &Set, but: Option<usize>) -> Probed {
         let own = |m: &usize| self.candidates[*m].candidate.law.is_none();
-        let absent = |m: &usize| !parent.members.iter().any(|member| self.are_forms(*m, *member));
+        let absent = |m: &usize| !parent.members.iter().chain(&but).any(|member| self.are_forms(*m, *member));
         let which: Vec<usize> = (0..self.candidates.len()).filter(own).filter(absent).collect();
         probe::around(data, &parent.posterior, self.candidates, &which).unwrap_or_default()
     }
