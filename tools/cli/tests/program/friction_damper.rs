@@ -32,10 +32,8 @@ fn the_measured_friction_damper_lacks_backlash_and_something_unknown() {
     assert_eq!(output.status.code(), Some(12), "{}", error(&output));
     let json = read_json(&out, "d.json");
     assert_eq!(json["verdict"], "unexplained");
-    assert_eq!(
-        (&json["surrogates"][0], &json["candidates"][0]["effect"]),
-        (&"backlash".into(), &"backlash".into())
-    );
+    assert!(json["surrogates"].as_array().unwrap().contains(&"backlash".into()), "{}", json["surrogates"]);
+    assert_eq!(json["candidates"][0]["effect"], "backlash");
     assert!(json["effects"].as_array().unwrap().is_empty());
     let error = |name: &str| json["error"][name].as_f64().unwrap();
     assert!(
