@@ -1,6 +1,6 @@
 //! A model's unknowns, those of the records' starts and of a discrepancy, as one sum of squares over whitened residuals.
 
-use nalgebra::DVector;
+use nalgebra::{DVector, DVectorView};
 use rayon::prelude::*;
 
 use super::latent::Latent;
@@ -308,22 +308,13 @@ impl<'a, 'd> Joint<'a, 'd> {
     /// The sums at the last linearised point, which is `y`, under the present noise.
     pub fn sums_here(&self, y: &[f64]) -> Sums {
         let n = y.len();
-        let parts = self.whitened();
-        let mut sums = Sums { cost: 0.0, gradient: y.to_vec(), curvature: vec![0.0; n * n] };
-        sums.cost = 0.5 * dot(y, y);
+        let mut sums = Sums { cost: 0.5 * dot(y, y), gradient: y.to_vec(), curvature: vec![0.0; n * n] };
         (0..n).for_each(|i| sums.curvature[i * n + i] = 1.0);
-        for Whitened { residuals: e, columns } in &parts {
-            sums.cost += 0.5 * dot(e, e);
-            for (a, (i, column)) in columns.iter().enumerate() {
-                sums.gradient[*i] += dot(column, e);
-                for (j, other) in &columns[..=a] {
-                    let product = dot(column, other);
-                    sums.curvature[i * n + j] += product;
-                    if i != j {
-                        sums.curvature[j * n + i] += product;
-                    }
-                }
-            }
+        let parts: Vec<Sums> = self.whitened().par_iter().map(|record| record.sums(n)).collect();
+        for part in &parts {
+            sums.cost += part.cost;
+            sums.gradient.iter_mut().zip(&part.gradient).for_each(|(sum, part)| *sum += part);
+            sums.curvature.iter_mut().zip(&part.curvature).for_each(|(sum, part)| *sum += part);
         }
         sums
     }
@@ -334,10 +325,10 @@ impl<'a, 'd> Joint<'a, 'd> {
         let Ok(model) = self.model(y) else { return vec![None; probes.len()] };
         self.simulations += self.slots.len() * probes.len();
         let bench = self.data.bench;
-        let per_record: Vec<Vec<Option<Vec<f64>>>> =
+        let mut per_record: Vec<Vec<Option<Vec<f64>>>> =
             self.slots.par_iter_mut().map(|slot| slot.changes(&model, probes, y, bench)).collect();
         (0..probes.len())
-            .map(|p| per_record.iter().map(|changes| changes[p].clone()).collect::<Option<Vec<_>>>())
+            .map(|p| per_record.iter_mut().map(|changes| changes[p].take()).collect::<Option<Vec<_>>>())
             .collect()
     }
 }
@@ -362,8 +353,28 @@ pub(super) struct Whitened {
     pub columns: Vec<(usize, Vec<f64>)>,
 }
 
+impl Whitened {
+    /// What the record adds to the sums of `n` unknowns.
+    fn sums(&self, n: usize) -> Sums {
+        let Self { residuals, columns } = self;
+        let cost = 0.5 * dot(residuals, residuals);
+        let mut sums = Sums { cost, gradient: vec![0.0; n], curvature: vec![0.0; n * n] };
+        for (a, (i, column)) in columns.iter().enumerate() {
+            sums.gradient[*i] += dot(column, residuals);
+            for (j, other) in &columns[..=a] {
+                let product = dot(column, other);
+                sums.curvature[i * n + j] += product;
+                if i != j {
+                    sums.curvature[j * n + i] += product;
+                }
+            }
+        }
+        sums
+    }
+}
+
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    DVectorView::from_slice(a, a.len()).dot(&DVectorView::from_slice(b, b.len()))
 }
 
 pub(super) fn minus(a: &[f64], b: &[f64]) -> Vec<f64> {

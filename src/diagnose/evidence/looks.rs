@@ -6,9 +6,9 @@ use rayon::prelude::*;
 use super::joint::Tangents;
 use super::measured::Measured;
 use super::posterior::{LOOK, Posterior, Start, glance, screen};
-use super::probe::{Probe, Probed};
+use super::probe::{Probe, Probed, SIZES};
 use super::search::{
-    BEHIND, Search, Set, TWICE, WORTH, best_of_each, evidence, is_adequate, promising, rank,
+    BEHIND, CLOSER, Search, Set, TWICE, WORTH, best_of_each, evidence, is_adequate, promising, rank,
 };
 
 /// Multiple of a prior's deviation that first numbers of effects with a second one start from, too.
@@ -48,10 +48,10 @@ impl Search<'_, '_, '_> {
         Some(Set { members, discrepancy: None, posterior, screened: true })
     }
 
-    /// Glances at those sets of one more member than `parent`, of no form of `but`, that lines promise something of: from the
-    /// `most` starts that promise most.
-    pub(super) fn glances(&self, data: &Measured, parent: &Set, but: Option<usize>, most: usize) -> Vec<Set> {
-        let Probed { mut probes, tangents } = self.probed(data, parent, but);
+    /// Glances at those sets of one more member than `parent`, of the candidates `which`, that lines promise something of: from
+    /// the `most` starts that promise most.
+    pub(super) fn glances(&self, data: &Measured, parent: &Set, which: &[usize], most: usize) -> Vec<Set> {
+        let Probed { mut probes, tangents } = self.probed(data, parent, which, SIZES);
         probes.retain(|probe| probe.gain > WORTH);
         let mut starts = promising(probes);
         starts.truncate(most);
@@ -67,7 +67,7 @@ impl Search<'_, '_, '_> {
         if !moved(looks, &mut given) {
             return Vec::new();
         }
-        let probes = self.probed(looks, &given, None).probes;
+        let probes = self.probed(looks, &given, &self.beside(&given), SIZES).probes;
         let [once, more] = [1.0, MORE].map(|multiple| self.everywhere(&probes, multiple));
         let worth = probes.into_iter().filter(|probe| probe.gain > WORTH).collect();
         // A start that is far off promises much that is not there: each amount keeps its own best.
@@ -135,6 +135,15 @@ impl Search<'_, '_, '_> {
         is_adequate(self.data, set, self.doubted(set).as_ref())
     }
 
+    /// Fits `set` as if its residual were white, if it leaves less then: one that is far from what was measured is
+    /// drawn to parameters that make its residual smooth, which promises nothing of what would make it small.
+    pub(super) fn whiten(&self, set: &mut Set) {
+        let mut white = set.clone();
+        if moved(self.data, &mut white) && self.left(&white) < CLOSER * self.left(set) {
+            *set = white;
+        }
+    }
+
     /// Sets of one more member than `parent` that fit the beginnings of the records best, from there: the longer a record
     /// is, the more a wrong frequency falls out of step.
     pub(super) fn led(&self, parent: &Set) -> Vec<Set> {
@@ -143,7 +152,7 @@ impl Search<'_, '_, '_> {
         if !moved(short, &mut parent) {
             return Vec::new();
         }
-        let mut found = self.glances(short, &parent, None, usize::MAX);
+        let mut found = self.glances(short, &parent, &self.beside(&parent), usize::MAX);
         rank(&mut found);
         found.truncate(LED);
         found.par_iter_mut().for_each(|set| Self::screened(short, set));
@@ -152,6 +161,25 @@ impl Search<'_, '_, '_> {
         let reaches = |set: &mut Set| longer.iter().chain([whole]).all(|data| moved(data, set));
         found.retain_mut(reaches);
         found
+    }
+
+    /// The best fit with one of the candidates, from every start that promises something.
+    pub fn alone(&self, base: &Posterior) -> Option<Posterior> {
+        let every: Vec<usize> = (0..self.candidates.len()).collect();
+        let parent = Set { members: Vec::new(), discrepancy: None, posterior: base.clone(), screened: false };
+        let Probed { probes, tangents } = self.probed(self.data, &parent, &every, SIZES);
+        let looks = self.looks.unwrap_or(self.data);
+        let glanced = |probe| self.glanced(looks, &parent, tangents.as_ref(), probe);
+        let mut tried: Vec<Set> = probes.par_iter().filter_map(glanced).collect();
+        tried.extend(self.led(&parent));
+        let mut tried = self.looked_at_best(tried).0;
+        if let Some(looks) = self.looks {
+            tried.extend(self.looked_at(self.beside_given(looks, &parent)));
+        }
+        rank(&mut tried);
+        self.finish_best(&mut tried, &[], false);
+        let order = |a: &Set, b: &Set| b.screened.cmp(&a.screened).then(evidence(a).total_cmp(&evidence(b)));
+        tried.into_iter().max_by(order).map(|set| set.posterior)
     }
 }
 

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use super::discrepancy::{self, Discrepancy};
 use super::looks::moved;
-use super::posterior::{GLANCE, LOOK, Posterior, Start, fit, screen};
-use super::probe;
+use super::posterior::{LOOK, Posterior, Start, fit, screen};
+use super::probe::{Probed, SIZES};
 use super::search::{BEHIND, PARENTS, Search, Set, TWICE, best_of_each, evidence, keep, rank};
 use super::unknown::Unknown;
 use super::weights;
@@ -172,7 +172,7 @@ impl Search<'_, '_, '_> {
 
     /// `set` without the member in a place, looked at from where it is; `empty` has no member.
     fn without(&self, empty: &Set, set: &Set, place: usize) -> Option<Set> {
-        let (members, model, unknowns, y) = self.replaced(empty, set, place, None);
+        let (members, model, unknowns, y) = self.remainder(empty, set, place);
         let start = Start { model: &model, unknowns: &unknowns, y: &y };
         let posterior = screen(self.data, &start, LOOK).ok()?;
         Some(Set { members, discrepancy: None, posterior, screened: true })
@@ -183,18 +183,14 @@ impl Search<'_, '_, '_> {
     pub(super) fn in_other_forms(&self, sets: &mut Vec<Set>, size: usize, adequate: bool) {
         let fitted = sets.iter().filter(|set| set.members.len() == size && !set.screened);
         let Some(best) = fitted.max_by(|a, b| evidence(a).total_cmp(&evidence(b))) else { return };
-        let forms = |(place, member): (usize, &usize)| {
-            let member = *member;
-            let others =
-                (0..self.candidates.len()).filter(move |m| *m != member && self.are_forms(*m, member));
-            others.map(move |other| (place, other))
-        };
         let settled = adequate && self.looks.is_some();
-        let open = |(place, other): &(usize, usize)| !settled || !is_behind(sets, best, *place, *other);
-        let wanted: Vec<(usize, usize)> =
-            best.members.iter().enumerate().flat_map(forms).filter(open).collect();
-        let other = |(place, other): &(usize, usize)| self.in_another_form(&sets[0], best, *place, *other);
-        let mut found: Vec<Set> = wanted.par_iter().filter_map(other).collect();
+        let open = |place: usize, other: usize| !settled || !is_behind(sets, best, place, other);
+        let forms = |(place, member): (usize, &usize)| {
+            let is_other = |m: &usize| m != member && self.are_forms(*m, *member) && open(place, *m);
+            let others: Vec<usize> = (0..self.candidates.len()).filter(is_other).collect();
+            self.in_forms(&sets[0], best, place, &others)
+        };
+        let mut found: Vec<Set> = best.members.iter().enumerate().flat_map(forms).collect();
         if size == 1 && self.looks.is_some() {
             // One effect alone is what is likeliest: no form of it is passed over for a look that stuck.
             found.par_iter_mut().for_each(|set| self.finish(set));
@@ -224,13 +220,30 @@ impl Search<'_, '_, '_> {
     fn exchanged(&self, empty: &Set, set: &Set, place: usize) -> Vec<Set> {
         let Some(parent) = self.left_as_it_was(empty, set, place) else { return Vec::new() };
         let looks = self.looks.unwrap_or(self.data);
-        let glanced = self.glances(looks, &parent, Some(set.members[place]), TWICE);
+        let glanced = self.glances(looks, &parent, &self.beside(set), TWICE);
         self.looked_at_best(best_of_each(glanced.into_iter())).0
+    }
+
+    /// Looks at other `forms` of a member of `set` in its place, each from where a line promises most.
+    fn in_forms(&self, empty: &Set, set: &Set, place: usize, forms: &[usize]) -> Vec<Set> {
+        let parent = self.left_as_it_was(empty, set, place).filter(|_| !forms.is_empty());
+        let Some(parent) = parent else { return Vec::new() };
+        let looks = self.looks.unwrap_or(self.data);
+        let Probed { probes, tangents } = self.probed(looks, &parent, forms, SIZES);
+        let looked = |form: &usize| {
+            let best = probes.iter().find(|probe| probe.candidate == *form)?;
+            let mut found = self.glanced(looks, &parent, tangents.as_ref(), best)?;
+            Self::screened(looks, &mut found);
+            // First looks of another kind are not to be compared with a fit.
+            let comparable = self.looks.is_none() || moved(self.data, &mut found);
+            comparable.then_some(found)
+        };
+        forms.par_iter().filter_map(looked).collect()
     }
 
     /// `set` without the member in a place, all other numbers as they are; what it predicted with that stays beside them.
     fn left_as_it_was(&self, empty: &Set, set: &Set, place: usize) -> Option<Set> {
-        let (members, mut model, unknowns, y) = self.replaced(empty, set, place, None);
+        let (members, mut model, unknowns, y) = self.remainder(empty, set, place);
         let value = |(unknown, y): (&Unknown, &f64)| (unknown.path.clone(), unknown.coordinate.value(*y));
         let values: Vec<(String, f64)> = unknowns.iter().zip(&y).map(value).collect();
         let values: Vec<(&str, f64)> = values.iter().map(|(path, value)| (path.as_str(), *value)).collect();
@@ -239,50 +252,20 @@ impl Search<'_, '_, '_> {
         Some(Set { members, discrepancy: None, posterior, screened: true })
     }
 
-    /// `set` with candidate `other` in the place of a member, looked at from the best of its starts.
-    fn in_another_form(&self, empty: &Set, set: &Set, place: usize, other: usize) -> Option<Set> {
-        let looked = |y: &Vec<f64>| {
-            let (members, model, unknowns, y) = self.replaced(empty, set, place, Some((other, y)));
-            model.check().ok()?;
-            let start = Start { model: &model, unknowns: &unknowns, y: &y };
-            let posterior = screen(self.looks.unwrap_or(self.data), &start, GLANCE).ok()?;
-            Some(Set { members, discrepancy: None, posterior, screened: true })
-        };
-        let starts = probe::places(&self.candidates[other]);
-        let seen = starts.iter().filter_map(looked);
-        let mut best = seen.max_by(|a, b| evidence(a).total_cmp(&evidence(b)))?;
-        Self::screened(self.looks.unwrap_or(self.data), &mut best);
-        // First looks of another kind are not to be compared with a fit.
-        let comparable = self.looks.is_none() || moved(self.data, &mut best);
-        comparable.then_some(best)
-    }
-
-    /// A hypothesis like `set`, whose member in a place is left out, or replaced by another candidate at coordinates: its
-    /// members, its model, and its unknowns with where they are.
-    fn replaced(
-        &self,
-        empty: &Set,
-        set: &Set,
-        place: usize,
-        by: Option<(usize, &Vec<f64>)>,
-    ) -> (Vec<usize>, Model, Vec<Unknown>, Vec<f64>) {
+    /// A hypothesis like `set` without its member in a place: its members, its model, and its unknowns with where they are.
+    fn remainder(&self, empty: &Set, set: &Set, place: usize) -> (Vec<usize>, Model, Vec<Unknown>, Vec<f64>) {
         let of = |owner: Option<usize>| {
             let pairs = set.posterior.unknowns.iter().zip(&set.posterior.y);
             pairs.filter(move |(unknown, _)| unknown.owner == owner)
         };
         let (mut unknowns, mut y): (Vec<Unknown>, Vec<f64>) = of(None).map(|(u, y)| (u.clone(), *y)).unzip();
-        let (mut members, mut model) = (Vec::new(), empty.posterior.model.clone());
-        for (k, &member) in set.members.iter().enumerate() {
-            let own = || of(Some(member)).map(|(_, y)| *y).collect::<Vec<f64>>();
-            let (member, at) = match by {
-                None if k == place => continue,
-                Some((other, at)) if k == place => (other, at.clone()),
-                _ => (member, own()),
-            };
-            model = self.candidates[member].added_to(&model, &at);
+        let (mut members, mut model) = (set.members.clone(), empty.posterior.model.clone());
+        members.remove(place);
+        for &member in &members {
+            let own: Vec<f64> = of(Some(member)).map(|(_, y)| *y).collect();
+            model = self.candidates[member].added_to(&model, &own);
             unknowns.extend(self.candidates[member].unknowns(&model, member));
-            y.extend(at);
-            members.push(member);
+            y.extend(own);
         }
         (members, model, unknowns, y)
     }

@@ -2,6 +2,7 @@
 //! are worth a fit, and from where.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::joint::{Joint, Tangents, dot};
 use super::latent::Latent;
@@ -59,8 +60,9 @@ impl Prepared {
     }
 }
 
-/// Sizes of the first parameter that are looked at, in prior deviations.
-const SIZES: [f64; 2] = [0.3, 1.0];
+/// Sizes of the first parameter that are looked at, in prior deviations; and those where little is missing.
+pub(super) const SIZES: &[f64] = &[0.3, 1.0];
+pub(super) const SMALL: &[f64] = SIZES.split_at(1).0;
 /// Rounds in which the size of a prior is sought, and the change that is none.
 const ROUNDS: usize = 5;
 const NOTHING: f64 = 1e-9;
@@ -239,17 +241,19 @@ pub(super) struct Probed {
     pub tangents: Option<Tangents>,
 }
 
-/// Probes of the candidates in `which` about `parent`.
+/// Probes of the candidates in `which` about `parent`, of these `sizes` first.
 pub(super) fn around(
     data: &Measured,
     parent: &Posterior,
     candidates: &[Prepared],
     which: &[usize],
+    sizes: &[f64],
 ) -> Result<Probed, String> {
     let latent = Latent::default();
     let mut joint = Joint::new(data, &parent.model, &parent.unknowns, &latent)?;
     let y = white_round(&mut joint, &parent.y, HERE)?;
-    let of = |candidate: usize| places(&candidates[candidate]).into_iter().map(move |y| (candidate, y));
+    let of =
+        |candidate: usize| places(&candidates[candidate], sizes).into_iter().map(move |y| (candidate, y));
     let first: Vec<(usize, Vec<f64>)> = which.iter().flat_map(|candidate| of(*candidate)).collect();
     let (mut found, mut unreached) = (lines(&mut joint, &y, parent, candidates, first)?, Vec::new());
     for _ in 0..AGAIN {
@@ -303,14 +307,14 @@ fn lines(
     };
     let (probes, models): (Vec<Probe>, Vec<Model>) = places.into_iter().filter_map(beside).unzip();
     let changes = joint.changes(y, &models);
-    let mut found = Vec::new();
-    for (mut probe, change) in probes.into_iter().zip(changes) {
-        let Some(change) = change else { continue };
+    let noise = &joint.noise;
+    let line = |(mut probe, change): (Probe, Option<Vec<Vec<f64>>>)| {
+        let change = change?;
         let distance = data.largest(&change);
         let (mut square, mut along) = (0.0, 0.0);
         let mut cross = DVector::zeros(n);
         for (k, change) in change.iter().enumerate() {
-            let change = joint.noise.whiten(data, k, change);
+            let change = noise.whiten(data, k, change);
             square += dot(&change, &change);
             along += dot(&change, &whitened[k].residuals);
             whitened[k].columns.iter().for_each(|(i, column)| cross[*i] += dot(column, &change));
@@ -322,15 +326,15 @@ fn lines(
         probe.gain = if probe.multiple > 0.0 { 0.5 * pull * pull / left } else { 0.0 };
         probe.evidence = probe.gain - 0.5 * (left / probe.y[0].powi(2)).ln();
         probe.distance = distance * probe.multiple.max(0.0) * (apart / square).sqrt();
-        found.push(probe);
-    }
-    Ok(found)
+        Some(probe)
+    };
+    Ok(probes.into_par_iter().zip(changes).filter_map(line).collect())
 }
 
 /// The coordinates that a candidate is looked at.
-pub(super) fn places(prepared: &Prepared) -> Vec<Vec<f64>> {
+fn places(prepared: &Prepared, sizes: &[f64]) -> Vec<Vec<f64>> {
     let (low, high) = prepared.coordinates[0].bounds();
-    let signs = [1.0, -1.0].into_iter().flat_map(|sign| SIZES.map(|size| sign * size));
+    let signs = [1.0, -1.0].into_iter().flat_map(|sign| sizes.iter().map(move |size| sign * size));
     let firsts: Vec<f64> = signs.filter(|y| (low..=high).contains(y)).collect();
     firsts.iter().flat_map(|first| prepared.others.iter().map(|others| at(*first, others))).collect()
 }
@@ -384,7 +388,7 @@ mod tests {
         let scales = magnitudes::of(&model, &dataset);
         let (candidates, _) = prepare(&data, &base, &tried, &scales, &dataset).unwrap();
         for (owner, candidate) in candidates.iter().enumerate() {
-            let probed = around(&data, &base, &candidates, &[owner]).unwrap();
+            let probed = around(&data, &base, &candidates, &[owner], SIZES).unwrap();
             let y = probed.probes[0].start(&candidate.coordinates[0]);
             let model = candidate.added_to(&base.model, &y);
             let unknowns: Vec<Unknown> =
@@ -410,7 +414,7 @@ mod tests {
             let (tried, _) = tried(&model, &bench, Some(&["backlash".to_owned()]));
             let scales = magnitudes::of(&model, &dataset);
             let (candidates, _) = prepare(&data, &base, &tried, &scales, &dataset).unwrap();
-            let found = around(&data, &base, &candidates, &[0]).unwrap().probes;
+            let found = around(&data, &base, &candidates, &[0], SIZES).unwrap().probes;
             let best = &found[0];
             let gap = candidates[0].coordinates[0].value(best.y[0] * best.multiple);
             assert!(best.multiple > 0.3, "{play}: {best:?}");

@@ -7,7 +7,7 @@ use super::joint::Tangents;
 use super::looks::moved;
 use super::measured::Measured;
 use super::posterior::Posterior;
-use super::probe::{self, Prepared, Probe, Probed};
+use super::probe::{self, Prepared, Probe, Probed, SIZES, SMALL};
 use super::unknown::Unknown;
 use crate::model::Model;
 
@@ -52,7 +52,11 @@ pub(super) const TWICE: usize = 8;
 const FULL: usize = 5;
 pub(super) const PARENTS: usize = 2;
 /// Fraction of a residual that leads where it is not of the likeliest.
-const CLOSER: f64 = 0.95;
+pub(super) const CLOSER: f64 = 0.95;
+/// Members of which the smallest residual tells whether more are sought, and the part of the square of the base's that is too
+/// much for that.
+const SEVERAL: usize = 2;
+const LITTLE: f64 = 0.5;
 
 /// What is searched.
 pub(in crate::diagnose) struct Search<'s, 'a, 'd> {
@@ -85,6 +89,9 @@ impl Search<'_, '_, '_> {
                 parents = of_size(&sets, size);
             }
             doubts.extend(doubt);
+            if !adequate && self.is_hopeless(&sets, size) {
+                break;
+            }
             self.different(&sets, &mut parents);
             let closest = self.closest(parents.iter().map(|k| (*k, &sets[*k])));
             parents.truncate(if adequate || size + 1 == self.most { 1 } else { PARENTS });
@@ -202,7 +209,8 @@ impl Search<'_, '_, '_> {
             from.par_iter_mut().for_each(|set| self.whiten(set));
         }
         for (k, parent) in from.iter().enumerate() {
-            let mut probed = self.probed(self.data, parent, None);
+            let sizes = if adequate { SMALL } else { SIZES };
+            let mut probed = self.probed(self.data, parent, &self.beside(parent), sizes);
             probed.probes.retain(worthy);
             wanted.extend(promising(probed.probes).into_iter().map(|probe| (k, probe)));
             tangents.push(probed.tangents);
@@ -213,7 +221,7 @@ impl Search<'_, '_, '_> {
             for (k, mut about) in from.clone().into_iter().enumerate() {
                 if moved(looks, &mut about) {
                     let known = |c: usize| wanted.iter().any(|(of, probe)| *of == k && probe.candidate == c);
-                    let mut probes = self.probed(looks, &about, None).probes;
+                    let mut probes = self.probed(looks, &about, &self.beside(&about), SIZES).probes;
                     probes.retain(|probe| probe.gain > WORTH && !known(probe.candidate));
                     wanted.extend(promising(probes).into_iter().map(|probe| (from.len(), probe)));
                     from.push(about);
@@ -230,8 +238,15 @@ impl Search<'_, '_, '_> {
     }
 
     /// Size of the residual of a set.
-    fn left(&self, set: &Set) -> f64 {
+    pub(super) fn left(&self, set: &Set) -> f64 {
         self.data.left(&set.posterior.predictions)
+    }
+
+    /// Whether several effects explain too little, wherever they are, for one more to explain the rest.
+    fn is_hopeless(&self, sets: &[Set], size: usize) -> bool {
+        let least =
+            of_size(sets, size).into_iter().map(|k| self.left(&sets[k])).fold(f64::INFINITY, f64::min);
+        size >= SEVERAL && least * least > LITTLE * self.left(&sets[0]).powi(2)
     }
 
     /// The one of `sets` that leaves the smallest residual, if that of the first is larger.
@@ -241,40 +256,16 @@ impl Search<'_, '_, '_> {
         (closest.1 < CLOSER * left[0].1).then_some(closest.0)
     }
 
-    /// Fits `set` as if its residual were white, if it leaves less then: one that is far from what was measured is
-    /// drawn to parameters that make its residual smooth, which promises nothing of what would make it small.
-    fn whiten(&self, set: &mut Set) {
-        let mut white = set.clone();
-        if moved(self.data, &mut white) && self.left(&white) < CLOSER * self.left(set) {
-            *set = white;
-        }
-    }
-
-    /// Amounts of one more member beside `parent`, which is no form of `but`; the most promising first.
-    pub(super) fn probed(&self, data: &Measured, parent: &Set, but: Option<usize>) -> Probed {
+    /// Candidates that are no form of a member of `set`.
+    pub(super) fn beside(&self, set: &Set) -> Vec<usize> {
         let own = |m: &usize| self.candidates[*m].candidate.law.is_none();
-        let absent = |m: &usize| !parent.members.iter().chain(&but).any(|member| self.are_forms(*m, *member));
-        let which: Vec<usize> = (0..self.candidates.len()).filter(own).filter(absent).collect();
-        probe::around(data, &parent.posterior, self.candidates, &which).unwrap_or_default()
+        let absent = |m: &usize| !set.members.iter().any(|member| self.are_forms(*m, *member));
+        (0..self.candidates.len()).filter(own).filter(absent).collect()
     }
 
-    /// The best fit with one of the candidates, from every start that promises something.
-    pub fn alone(&self, base: &Posterior) -> Option<Posterior> {
-        let every: Vec<usize> = (0..self.candidates.len()).collect();
-        let parent = Set { members: Vec::new(), discrepancy: None, posterior: base.clone(), screened: false };
-        let Probed { probes, tangents } = probe::around(self.data, base, self.candidates, &every).ok()?;
-        let looks = self.looks.unwrap_or(self.data);
-        let glanced = |probe| self.glanced(looks, &parent, tangents.as_ref(), probe);
-        let mut tried: Vec<Set> = probes.par_iter().filter_map(glanced).collect();
-        tried.extend(self.led(&parent));
-        let mut tried = self.looked_at_best(tried).0;
-        if let Some(looks) = self.looks {
-            tried.extend(self.looked_at(self.beside_given(looks, &parent)));
-        }
-        rank(&mut tried);
-        self.finish_best(&mut tried, &[], false);
-        let order = |a: &Set, b: &Set| b.screened.cmp(&a.screened).then(evidence(a).total_cmp(&evidence(b)));
-        tried.into_iter().max_by(order).map(|set| set.posterior)
+    /// Amounts of the candidates `which` beside `parent`, of these `sizes` first; the most promising first.
+    pub(super) fn probed(&self, data: &Measured, parent: &Set, which: &[usize], sizes: &[f64]) -> Probed {
+        probe::around(data, &parent.posterior, self.candidates, which, sizes).unwrap_or_default()
     }
 
     pub(super) fn extended(
@@ -330,12 +321,12 @@ pub(super) fn promising(probes: Vec<Probe>) -> Vec<Probe> {
     starts
 }
 
-/// Whether `set` lacks nothing that `doubt` stands for. Without a doubt there is nothing to explain where its residual
-/// is no larger than the noise that is known, by anything relevant.
+/// Whether `set` lacks nothing that `doubt` stands for. Without a doubt there is nothing to explain where its residual is no
+/// larger than the noise that is known by anything relevant, or holds nothing relevant that is not new at every sample.
 pub(super) fn is_adequate(data: &Measured, set: &Set, doubt: Option<&Set>) -> bool {
-    let is_noise =
-        || data.noise_is_known() && data.excess(&set.posterior.predictions) < data.assumptions().relevant;
-    doubt.map_or_else(is_noise, |doubt| evidence(doubt) < evidence(set))
+    let predictions = &set.posterior.predictions;
+    let left = || if data.noise_is_known() { data.excess(predictions) } else { data.foretold(predictions) };
+    doubt.map_or_else(|| left() < data.assumptions().relevant, |doubt| evidence(doubt) < evidence(set))
 }
 
 /// Adds `set`, or puts it in the place of a less likely one of the same members.
@@ -457,6 +448,9 @@ mod tests {
         assert!(is_adequate(&known, &off(0.02), None));
         assert!(!is_adequate(&known, &off(0.05), None));
         assert!(!is_adequate(&unknown, &off(0.02), None));
+        let mut random = fastrand::Rng::with_seed(4);
+        let noisy = force.iter().map(|force| force + 0.04 * (random.f64() - 0.5));
+        assert!(is_adequate(&unknown, &set(&model, noisy.collect()), None));
         // One that is seen decides.
         let doubt = |log_evidence| {
             let mut doubt = off(0.02);
@@ -465,5 +459,26 @@ mod tests {
         };
         assert!(!is_adequate(&known, &off(0.02), Some(&doubt(1.0))));
         assert!(is_adequate(&known, &off(0.05), Some(&doubt(-1.0))));
+    }
+
+    #[test]
+    fn where_two_explain_little_no_third_is_sought() {
+        let (model, dataset) = sticking();
+        let force = &dataset.records[0].channels[2].values;
+        let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
+        let data = Measured::new(&bench, &[0], &[], &[]);
+        let report = |_: &str| {};
+        let search =
+            Search { data: &data, looks: None, beginnings: &[], candidates: &[], most: 3, report: &report };
+        let off = |members: &[usize], by: f64| {
+            let predictions = force.iter().map(|force| force * (1.0 + by)).collect();
+            Set { members: members.to_vec(), ..set(&model, predictions) }
+        };
+        let is_hopeless = |sets: &[Set]| search.is_hopeless(sets, sets[1].members.len());
+        assert!(is_hopeless(&[off(&[], 0.1), off(&[0, 1], 0.08)]));
+        assert!(!is_hopeless(&[off(&[], 0.1), off(&[0, 1], 0.06)]));
+        // The one that comes closest tells, and one effect alone is not several.
+        assert!(!is_hopeless(&[off(&[], 0.1), off(&[0, 1], 0.08), off(&[0, 2], 0.06)]));
+        assert!(!is_hopeless(&[off(&[], 0.1), off(&[0], 0.08)]));
     }
 }
