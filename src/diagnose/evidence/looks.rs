@@ -78,10 +78,23 @@ impl Search<'_, '_, '_> {
         });
         let mut found = found.concat();
         rank(&mut found);
-        let least = found.first().map_or(0.0, evidence) - BEHIND;
-        let likely = found.iter().take_while(|set| evidence(set) > least).count();
-        found.truncate(likely.max(TWICE));
+        found.truncate(self.worth_a_look(&found));
         found.into_par_iter().filter_map(|mut set| moved(looks, &mut set).then_some(set)).collect()
+    }
+
+    /// How many of the ranked `found`, of one member each, come near the best, or are of the first effects: what ends far from
+    /// where it would lead after a glance may have several places, or several others, before it.
+    fn worth_a_look(&self, found: &[Set]) -> usize {
+        let least = found.first().map_or(0.0, evidence) - BEHIND;
+        let effect = |set: &Set| self.candidates[set.members[0]].candidate.effect.id;
+        let mut effects: Vec<&str> = Vec::new();
+        let worth = |set: &&Set| {
+            if !effects.contains(&effect(set)) {
+                effects.push(effect(set));
+            }
+            evidence(set) > least || effects.len() <= TWICE
+        };
+        found.iter().take_while(worth).count()
     }
 
     /// A `multiple` of the largest amounts of those with a second number, at every place of it that was looked at. What is narrow,
@@ -199,6 +212,43 @@ mod tests {
     use crate::diagnose::evidence::{again, first, probe};
     use crate::diagnose::measurements::magnitudes;
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+
+    #[test]
+    fn several_forms_of_one_effect_leave_room_for_the_looks_at_others() {
+        let given = beam(1.95e11, 0.42, "");
+        let dataset = steady(&given);
+        let bench = WeightedDataset::new(&given, &dataset, Assumptions::default(), None).unwrap();
+        let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
+        let base = first(&data, None, &given).and_then(|(first, _)| again(&data, &first)).unwrap();
+        let (tried, _) = tried(&given, &bench, None);
+        let scales = magnitudes::of(&given, &dataset);
+        let (candidates, _) = probe::prepare(&data, &base, &tried, &scales, &dataset).unwrap();
+        let search = Search {
+            data: &data,
+            looks: None,
+            beginnings: &[],
+            candidates: &candidates,
+            most: 1,
+            report: &|_| {},
+        };
+        let id = |member: &usize| candidates[*member].candidate.effect.id;
+        let (same, mut others): (Vec<usize>, Vec<usize>) =
+            (0..candidates.len()).partition(|member| id(member) == "micro_slip");
+        others.dedup_by_key(|member| id(member));
+        assert!(same.len() > 1 && others.len() > TWICE);
+        // All but the first so far behind.
+        let worth = |behind: f64| {
+            let set = |(k, member): (usize, &usize)| {
+                let log_evidence = if k == 0 { 0.0 } else { -behind };
+                let posterior = Posterior { log_evidence, ..base.clone() };
+                Set { members: vec![*member], discrepancy: None, posterior, screened: true }
+            };
+            let sets: Vec<Set> = same.iter().chain(&others).enumerate().map(set).collect();
+            search.worth_a_look(&sets)
+        };
+        assert_eq!(worth(2.0 * BEHIND), same.len() + TWICE - 1);
+        assert_eq!(worth(0.5 * BEHIND), same.len() + others.len());
+    }
 
     #[test]
     fn a_hanging_mass_of_many_times_the_size_that_its_prior_has_is_found() {
