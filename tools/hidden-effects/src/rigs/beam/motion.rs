@@ -42,8 +42,10 @@ pub struct Motion<'a> {
     /// Modal coordinates now and a step before, the resonator's last.
     now: [f64; MODES + 1],
     before: [f64; MODES + 1],
-    /// Force through the contact's point, contact and resonator.
-    force: f64,
+    /// Modal accelerations in the last step.
+    acceleration: [f64; MODES],
+    /// Force through the contact's point, contact and resonator, in the last two steps.
+    forces: [f64; 2],
 }
 
 impl<'a> Motion<'a> {
@@ -66,7 +68,8 @@ impl<'a> Motion<'a> {
             size: excitation.size,
             now: [0.0; MODES + 1],
             before: [0.0; MODES + 1],
-            force: 0.0,
+            acceleration: [0.0; MODES],
+            forces: [0.0; 2],
         }
     }
 
@@ -129,51 +132,59 @@ impl<'a> Motion<'a> {
         let angle = TAU * (index % cycle) as f64 / cycle as f64;
         let time = index as f64 * self.step;
         let q = self.now;
-        let velocity: [f64; MODES] = std::array::from_fn(|i| (q[i] - self.before[i]) / self.step);
+        // The difference is the velocity half a step before.
+        let velocity: [f64; MODES] = std::array::from_fn(|i| {
+            (q[i] - self.before[i]) / self.step + 0.5 * self.step * self.acceleration[i]
+        });
         let mut turned = [0.0; MODES]; // Σ_j q_j ∫φ_i'φ_j'
         for (value, row) in turned.iter_mut().zip(&self.modes.shortening) {
             *value = dot(row, &q[..MODES]);
         }
         let shortened = dot(&turned, &q[..MODES]);
         let moved = dot(&self.slopes, &q[..MODES]) - 0.5 * shortened;
-        let hung = self.hanging(moved);
-        let given = moved - hung.0 / beam.geometry.axial_stiffness();
-        self.force = hung.0 + self.contact.advance(given, beam.load(self.excitation, angle), self.step, time);
+        let pull = self.hanging(moved);
+        let hung = beam.hanging.map_or(0.0, |(mass, _)| mass * pull);
+        let given = moved - hung / beam.geometry.axial_stiffness();
+        let force = hung + self.contact.advance(given, beam.load(self.excitation, angle), self.step, time);
+        self.forces = [force, self.forces[0]];
         let speed = dot(&self.driven, &velocity);
         let excitation = self.size
             * ((angle + self.excitation.phase).cos()
                 + beam.disturbance * (3.0 * angle + self.excitation.phases[1]).cos());
         let at_excitation = excitation - beam.quadratic_damping * speed.abs() * speed;
         let stretching = beam.cubic_stiffness * shortened / self.stretching.powi(2);
-        let mut acceleration = [0.0; MODES];
         let mut next = [0.0; MODES + 1];
         for i in 0..MODES {
             let w = self.modes.angular_frequencies[i];
             let outer = at_excitation * self.driven[i]
                 - self.stiffnesses[i] * q[i]
-                - self.force * (self.slopes[i] - turned[i])
+                - force * (self.slopes[i] - turned[i])
                 - stretching * turned[i];
-            // Damping by the central difference, solved for the next value.
-            let damping = beam.damping_ratio * w * self.step;
-            next[i] = (2.0 * q[i] - self.before[i] * (1.0 - damping) + self.step * self.step * outer)
-                / (1.0 + damping);
-            acceleration[i] = (next[i] - 2.0 * q[i] + self.before[i]) / (self.step * self.step);
+            next[i] = self.stepped(i, w, outer);
+            self.acceleration[i] = (next[i] - 2.0 * q[i] + self.before[i]) / (self.step * self.step);
         }
-        next[MODES] = 2.0 * q[MODES] - self.before[MODES] + self.step * self.step * hung.1;
+        let w = TAU * beam.hanging.map_or(0.0, |(_, frequency)| frequency);
+        next[MODES] = self.stepped(MODES, w, pull);
         self.before = q;
         self.now = next;
-        acceleration
+        self.acceleration
     }
 
-    /// Force of the resonator on the contact's point, and its acceleration; damped as the beam's modes are. The point
-    /// itself is `moved` plus the stretch of the beam under the force of the step before.
-    fn hanging(&self, moved: f64) -> (f64, f64) {
-        let Some((mass, frequency)) = self.beam.hanging else { return (0.0, 0.0) };
+    /// Coordinate `i` a step on under the acceleration `outer` and damping of the frequency `w` (rad/s), by the central difference,
+    /// solved for the next value.
+    fn stepped(&self, i: usize, w: f64, outer: f64) -> f64 {
+        let damping = self.beam.damping_ratio * w * self.step;
+        let on = 2.0 * self.now[i] - self.before[i] * (1.0 - damping);
+        (on + self.step * self.step * outer) / (1.0 + damping)
+    }
+
+    /// Acceleration of the resonator by its spring from the contact's point; damped as the beam's modes are. The point itself
+    /// is `moved` plus the stretch of the beam under the force, which goes on as in the last two steps.
+    fn hanging(&self, moved: f64) -> f64 {
+        let Some((_, frequency)) = self.beam.hanging else { return 0.0 };
         let w = TAU * frequency;
-        let point = moved - self.force / self.beam.geometry.axial_stiffness();
-        let speed = (self.now[MODES] - self.before[MODES]) / self.step;
-        let pull = w * w * (point - self.now[MODES]);
-        (mass * pull, pull - 2.0 * self.beam.damping_ratio * w * speed)
+        let force = 2.0 * self.forces[0] - self.forces[1];
+        w * w * (moved - force / self.beam.geometry.axial_stiffness() - self.now[MODES])
     }
 }
 
