@@ -110,6 +110,11 @@ impl Assumptions {
         (self.certain / (1.0 - self.certain)).ln()
     }
 
+    /// The largest that an unknown noise is thought to be, as a fraction of the channel: a deviation of its prior above the usual.
+    pub(in crate::diagnose) fn largest_noise(&self) -> f64 {
+        self.usual_noise * self.unknown_noise.exp()
+    }
+
     /// Sizes of a discrepancy that are tried, as fractions of the channel: from what is relevant to all of it.
     pub(in crate::diagnose) fn discrepancies(&self) -> impl Iterator<Item = f64> {
         let steps = (-2.0 * self.relevant.log10()).round().max(1.0);

@@ -14,6 +14,9 @@ pub(super) struct Autoregression {
 }
 
 impl Autoregression {
+    /// Values from which on a process is sought; of fewer all are white.
+    pub const FEWEST: usize = 4 * MOST;
+
     /// White noise.
     pub fn white() -> Self {
         Self { predictors: vec![(Vec::new(), 1.0)], fraction: 1.0 }
@@ -36,7 +39,7 @@ impl Autoregression {
             }
             count += values.len();
         }
-        if count < 4 * MOST {
+        if count < Self::FEWEST {
             return Self::white();
         }
         let (mut coefficients, mut variance) = (Vec::<f64>::new(), covariance[0]);

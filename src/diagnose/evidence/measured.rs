@@ -253,6 +253,20 @@ impl<'a, 'd> Measured<'a, 'd> {
         (sum / f64::max(count, 1.0)).sqrt()
     }
 
+    /// How much of the residual of `predictions` is more than noise, as a fraction of the channels: what is beyond a noise that is
+    /// known; of an unknown one what follows from its own past, all of it where few values, or a size that noise hardly has, tell
+    /// nothing of that.
+    pub fn unexplained(&self, predictions: &[Vec<f64>]) -> f64 {
+        if self.noise_is_known() {
+            return self.excess(predictions);
+        }
+        let left = self.left(predictions);
+        let mut values = vec![0; self.processes];
+        self.channels.iter().flatten().for_each(|channel| values[channel.process] += channel.range.len());
+        let told = values.iter().all(|count| *count >= Autoregression::FEWEST);
+        if told && left < self.assumptions().largest_noise() { self.foretold(predictions) } else { left }
+    }
+
     /// Log likelihood of `predictions`, the noise fitted to what they leave.
     pub fn log_score(&self, predictions: &[Vec<f64>]) -> f64 {
         let priors: Vec<Vec<NoisePrior>> =

@@ -7,7 +7,7 @@ use super::discrepancy::{self, Discrepancy};
 use super::looks::moved;
 use super::posterior::{LOOK, Posterior, Start, fit, screen};
 use super::probe::{Probed, SIZES};
-use super::search::{BEHIND, PARENTS, Search, Set, TWICE, best_of_each, evidence, keep, rank};
+use super::search::{BEHIND, PARENTS, Search, Set, TWICE, best_of_each, evidence, keep, promising, rank};
 use super::unknown::Unknown;
 use super::weights;
 use crate::model::Model;
@@ -224,21 +224,25 @@ impl Search<'_, '_, '_> {
         self.looked_at_best(best_of_each(glanced.into_iter())).0
     }
 
-    /// Looks at other `forms` of a member of `set` in its place, each from where a line promises most.
+    /// Looks at other `forms` of a member of `set` in its place, each from the best of the starts that lines promise most of.
     fn in_forms(&self, empty: &Set, set: &Set, place: usize, forms: &[usize]) -> Vec<Set> {
-        let parent = self.left_as_it_was(empty, set, place).filter(|_| !forms.is_empty());
-        let Some(parent) = parent else { return Vec::new() };
+        if forms.is_empty() {
+            return Vec::new();
+        }
+        let Some(parent) = self.left_as_it_was(empty, set, place) else { return Vec::new() };
         let looks = self.looks.unwrap_or(self.data);
         let Probed { probes, tangents } = self.probed(looks, &parent, forms, SIZES);
-        let looked = |form: &usize| {
-            let best = probes.iter().find(|probe| probe.candidate == *form)?;
-            let mut found = self.glanced(looks, &parent, tangents.as_ref(), best)?;
-            Self::screened(looks, &mut found);
-            // First looks of another kind are not to be compared with a fit.
-            let comparable = self.looks.is_none() || moved(self.data, &mut found);
-            comparable.then_some(found)
-        };
-        forms.par_iter().filter_map(looked).collect()
+        let starts = promising(probes);
+        let glanced = |probe| self.glanced(looks, &parent, tangents.as_ref(), probe);
+        let mut found = best_of_each(starts.par_iter().filter_map(glanced).collect::<Vec<_>>().into_iter());
+        found.par_iter_mut().for_each(|set| Self::screened(looks, set));
+        // First looks of another kind are not to be compared with a fit.
+        found.into_par_iter().filter_map(|mut set| self.is_comparable(&mut set).then_some(set)).collect()
+    }
+
+    /// Whether a set that was looked at can be compared with a fit, after a look at the data as they are if the looks are of others.
+    fn is_comparable(&self, set: &mut Set) -> bool {
+        self.looks.is_none() || moved(self.data, set)
     }
 
     /// `set` without the member in a place, all other numbers as they are; what it predicted with that stays beside them.

@@ -46,17 +46,17 @@ const IRRELEVANT: f64 = 0.3;
 const FEW: usize = 100;
 /// Behind the best by how much (in nats) a set is not worth a whole fit.
 pub(super) const BEHIND: f64 = 20.0;
-/// Sets of a size that are looked at twice (of one member all, where motions are solved for and none of these lacks
+/// Sets of a size, and single effects about measured motions, that are looked at twice (of one member all, where motions are solved for and none of these lacks
 /// nothing) or in the place of a member, that are fitted in full besides the one of the smallest residual, and that larger ones are made from, at most.
 pub(super) const TWICE: usize = 8;
 const FULL: usize = 5;
 pub(super) const PARENTS: usize = 2;
 /// Fraction of a residual that leads where it is not of the likeliest.
 pub(super) const CLOSER: f64 = 0.95;
-/// Members of which the smallest residual tells whether more are sought, and the part of the square of the base's that is too
-/// much for that.
+/// Members from which on a search may end for what they leave beyond the noise: over this part of the square of what the model
+/// leaves without.
 const SEVERAL: usize = 2;
-const LITTLE: f64 = 0.5;
+const HOPELESS: f64 = 0.5;
 
 /// What is searched.
 pub(in crate::diagnose) struct Search<'s, 'a, 'd> {
@@ -242,11 +242,11 @@ impl Search<'_, '_, '_> {
         self.data.left(&set.posterior.predictions)
     }
 
-    /// Whether several effects explain too little, wherever they are, for one more to explain the rest.
+    /// Whether several effects leave so much beyond the noise, wherever they are, that one more will not explain the rest.
     fn is_hopeless(&self, sets: &[Set], size: usize) -> bool {
-        let least =
-            of_size(sets, size).into_iter().map(|k| self.left(&sets[k])).fold(f64::INFINITY, f64::min);
-        size >= SEVERAL && least * least > LITTLE * self.left(&sets[0]).powi(2)
+        let left = |set: &Set| self.data.unexplained(&set.posterior.predictions);
+        let least = of_size(sets, size).into_iter().map(|k| left(&sets[k])).fold(f64::INFINITY, f64::min);
+        size >= SEVERAL && least * least > HOPELESS * left(&sets[0]).powi(2)
     }
 
     /// The one of `sets` that leaves the smallest residual, if that of the first is larger.
@@ -321,12 +321,10 @@ pub(super) fn promising(probes: Vec<Probe>) -> Vec<Probe> {
     starts
 }
 
-/// Whether `set` lacks nothing that `doubt` stands for. Without a doubt there is nothing to explain where its residual is no
-/// larger than the noise that is known by anything relevant, or holds nothing relevant that is not new at every sample.
+/// Whether `set` lacks nothing that `doubt` stands for; without a doubt, nothing relevant beyond the noise.
 pub(super) fn is_adequate(data: &Measured, set: &Set, doubt: Option<&Set>) -> bool {
-    let predictions = &set.posterior.predictions;
-    let left = || if data.noise_is_known() { data.excess(predictions) } else { data.foretold(predictions) };
-    doubt.map_or_else(|| left() < data.assumptions().relevant, |doubt| evidence(doubt) < evidence(set))
+    let is_noise = || data.unexplained(&set.posterior.predictions) < data.assumptions().relevant;
+    doubt.map_or_else(is_noise, |doubt| evidence(doubt) < evidence(set))
 }
 
 /// Adds `set`, or puts it in the place of a less likely one of the same members.
@@ -379,6 +377,17 @@ mod tests {
         Set { members: Vec::new(), discrepancy: None, posterior, screened: false }
     }
 
+    /// A search without candidates.
+    fn search<'s, 'a, 'd>(data: &'s Measured<'a, 'd>) -> Search<'s, 'a, 'd> {
+        Search { data, looks: None, beginnings: &[], candidates: &[], most: 3, report: &|_| {} }
+    }
+
+    /// A noise of the force that is stated.
+    fn told(deviation: f64) -> Noise {
+        let (channel, source) = ("force".to_owned(), NoiseSource::Stated);
+        Noise { record: 0, channel, deviation: Some(deviation), log_error: 0.0, source }
+    }
+
     /// A contact that sticks, its force without noise.
     fn sticking() -> (Model, Dataset) {
         let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
@@ -400,9 +409,7 @@ mod tests {
         let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
         let data = Measured::new(&bench, &[0], &[], &[]);
         let base = first(&data, None, &model).and_then(|(first, _)| again(&data, &first)).unwrap();
-        let report = |_: &str| {};
-        let search =
-            Search { data: &data, looks: None, beginnings: &[], candidates: &[], most: 1, report: &report };
+        let search = search(&data);
         // Looks that promise so much more than their fits hold, and sets that are fitted already.
         let fitted = |looks: &[f64], known: &[f64]| {
             let sets = |of: &[f64]| -> Vec<Set> {
@@ -432,15 +439,8 @@ mod tests {
         let (model, dataset) = sticking();
         let force = dataset.records[0].channels[2].values.clone();
         let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
-        let told = Noise {
-            record: 0,
-            channel: "force".to_owned(),
-            deviation: Some(0.02),
-            log_error: 0.0,
-            source: NoiseSource::Stated,
-        };
         let (known, unknown) =
-            (Measured::new(&bench, &[0], &[told], &[]), Measured::new(&bench, &[0], &[], &[]));
+            (Measured::new(&bench, &[0], &[told(0.02)], &[]), Measured::new(&bench, &[0], &[], &[]));
         let off = |by: f64| {
             let signs = [by, -by].into_iter().cycle();
             set(&model, force.iter().zip(signs).map(|(force, by)| force + by).collect())
@@ -448,9 +448,21 @@ mod tests {
         assert!(is_adequate(&known, &off(0.02), None));
         assert!(!is_adequate(&known, &off(0.05), None));
         assert!(!is_adequate(&unknown, &off(0.02), None));
+        // Of an unknown noise what follows from its own past is not new, and of few values, or of much, nothing is told.
         let mut random = fastrand::Rng::with_seed(4);
-        let noisy = force.iter().map(|force| force + 0.04 * (random.f64() - 0.5));
-        assert!(is_adequate(&unknown, &set(&model, noisy.collect()), None));
+        let mut noisy = |size: f64, wave: f64| {
+            let noise = (0..200).map(|i| size * (random.f64() - 0.5) + wave * (0.05 * f64::from(i)).sin());
+            set(&model, force.iter().zip(noise).map(|(force, noise)| force + noise).collect())
+        };
+        assert!(is_adequate(&unknown, &noisy(0.04, 0.0), None));
+        assert!(is_adequate(&unknown, &noisy(0.01, 0.005), None));
+        assert!(!is_adequate(&unknown, &noisy(0.01, 0.02), None));
+        assert!(!is_adequate(&unknown, &noisy(0.7, 0.0), None));
+        let mut short = dataset.clone();
+        short.records[0].channels.iter_mut().for_each(|channel| channel.values.truncate(40));
+        let bench = WeightedDataset::new(&model, &short, Assumptions::default(), None).unwrap();
+        let few = noisy(0.04, 0.0).posterior.predictions[0][..40].to_vec();
+        assert!(!is_adequate(&Measured::new(&bench, &[0], &[], &[]), &set(&model, few), None));
         // One that is seen decides.
         let doubt = |log_evidence| {
             let mut doubt = off(0.02);
@@ -466,19 +478,20 @@ mod tests {
         let (model, dataset) = sticking();
         let force = &dataset.records[0].channels[2].values;
         let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
-        let data = Measured::new(&bench, &[0], &[], &[]);
-        let report = |_: &str| {};
-        let search =
-            Search { data: &data, looks: None, beginnings: &[], candidates: &[], most: 3, report: &report };
         let off = |members: &[usize], by: f64| {
             let predictions = force.iter().map(|force| force * (1.0 + by)).collect();
             Set { members: members.to_vec(), ..set(&model, predictions) }
         };
-        let is_hopeless = |sets: &[Set]| search.is_hopeless(sets, sets[1].members.len());
-        assert!(is_hopeless(&[off(&[], 0.1), off(&[0, 1], 0.08)]));
-        assert!(!is_hopeless(&[off(&[], 0.1), off(&[0, 1], 0.06)]));
+        let is_hopeless = |noise: f64, sets: &[Set]| {
+            let data = Measured::new(&bench, &[0], &[told(noise)], &[]);
+            search(&data).is_hopeless(sets, sets[1].members.len())
+        };
+        assert!(is_hopeless(1e-3, &[off(&[], 0.1), off(&[0, 1], 0.08)]));
+        assert!(!is_hopeless(1e-3, &[off(&[], 0.1), off(&[0, 1], 0.06)]));
+        // The noise is not to be explained: of the same two a fifth of what there is beyond it is left.
+        assert!(!is_hopeless(0.05, &[off(&[], 0.1), off(&[0, 1], 0.08)]));
         // The one that comes closest tells, and one effect alone is not several.
-        assert!(!is_hopeless(&[off(&[], 0.1), off(&[0, 1], 0.08), off(&[0, 2], 0.06)]));
-        assert!(!is_hopeless(&[off(&[], 0.1), off(&[0], 0.08)]));
+        assert!(!is_hopeless(1e-3, &[off(&[], 0.1), off(&[0, 1], 0.08), off(&[0, 2], 0.06)]));
+        assert!(!is_hopeless(1e-3, &[off(&[], 0.1), off(&[0], 0.08)]));
     }
 }

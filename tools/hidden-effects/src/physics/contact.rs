@@ -23,8 +23,8 @@ pub struct Contact<'a> {
     velocity: f64,
     /// Displacement in front of play and compliance.
     given: f64,
-    /// Mean velocities in the last two steps, in front and behind.
-    paces: [Pace; 2],
+    /// Mean velocities in the last step, in front and behind.
+    paces: [Option<f64>; 2],
     slip: f64,
     /// Force of what grows gradually, of its bristles alone (N).
     held: f64,
@@ -47,28 +47,9 @@ struct Step {
     duration: f64,
 }
 
-/// Mean velocities in the last step and in the one before it (m/s), as far as there are any.
-#[derive(Clone, Copy, Default)]
-struct Pace {
-    last: Option<f64>,
-    before: Option<f64>,
-}
-
-impl Pace {
-    /// The velocity at the end of a step of mean velocity `mean`.
-    fn at_end(self, mean: f64) -> f64 {
-        self.last.map_or(mean, |last| 1.5 * mean - 0.5 * last)
-    }
-
-    /// The velocity at the end of a step of which nothing is known yet.
-    fn ahead(self) -> f64 {
-        let last = self.last.unwrap_or(0.0);
-        last + 1.5 * self.before.map_or(0.0, |before| last - before)
-    }
-
-    fn go_on(&mut self, mean: f64) {
-        *self = Self { last: Some(mean), before: self.last };
-    }
+/// The velocity at the end of a step of mean velocity `mean`, after one of `before` if there was any (m/s).
+fn at_end(mean: f64, before: Option<f64>) -> f64 {
+    before.map_or(mean, |before| 1.5 * mean - 0.5 * before)
 }
 
 impl<'a> Contact<'a> {
@@ -96,7 +77,7 @@ impl<'a> Contact<'a> {
             displacement: 0.0,
             velocity: 0.0,
             given: 0.0,
-            paces: [Pace::default(); 2],
+            paces: [None; 2],
             slip: 0.0,
             held: 0.0,
             memory: joint.unknown.as_ref().map(Unknown::memory).unwrap_or_default(),
@@ -126,10 +107,9 @@ impl<'a> Contact<'a> {
     /// returns the force (N).
     pub fn advance(&mut self, given: f64, normal_load: f64, duration: f64, time: f64) -> f64 {
         let pace = (given - self.given) / duration;
-        let [front, behind] = &mut self.paces;
-        // Behind a compliance the velocity is not given.
-        let velocity = if self.compliance == 0.0 { front.at_end(pace) } else { behind.ahead() };
-        front.go_on(pace);
+        let at_end = at_end(pace, self.paces[0].replace(pace));
+        // Behind a compliance the speed is not given: that of the step before stands for it.
+        let velocity = if self.compliance == 0.0 { at_end } else { self.velocity };
         let limit = self.joint.friction_coefficient * normal_load.max(0.0) * self.factor(velocity, time);
         let step = Step {
             upper: limit * (1.0 + self.joint.asymmetry),
@@ -193,13 +173,15 @@ impl<'a> Contact<'a> {
     fn trial(&self, displacement: f64, step: &Step) -> (f64, f64) {
         let joint = self.joint;
         let change = displacement - self.displacement;
-        let [.., behind] = self.paces;
+        // Where play is taken up the velocity jumps.
+        let before = self.paces[1].filter(|_| joint.half_gap == 0.0);
+        let by_mean = if before.is_some() { 1.5 } else { 1.0 };
         let mut force = joint.residual_stiffness * displacement
             + joint.cubic_stiffness * displacement.powi(3)
-            + joint.damping * behind.at_end(change / step.duration);
+            + joint.damping * at_end(change / step.duration, before);
         let mut slope = joint.residual_stiffness
             + 3.0 * joint.cubic_stiffness * displacement * displacement
-            + joint.damping * 1.5 / step.duration;
+            + joint.damping * by_mean / step.duration;
         for slider in &self.sliders {
             let stiffness = slider.stiffness * step.stiffening;
             let free = stiffness * (displacement - slider.position);
@@ -245,7 +227,7 @@ impl<'a> Contact<'a> {
         if change != 0.0 {
             self.velocity = change / step.duration;
         }
-        self.paces[1].go_on(change / step.duration);
+        self.paces[1] = Some(change / step.duration);
         self.displacement = displacement;
         self.given = given;
         force
@@ -352,23 +334,23 @@ pub(super) mod tests {
         let (damping, share, pace, count) = (7.0, 0.5, 3e-4, 2000);
         let damper = Joint { damping, ..Joint::jenkins(5e6, 0.0) };
         let weak = Joint { weakening: Some((share, pace)), ..jenkins() };
-        // Behind a spring that hardly yields, too.
-        for compliance in [0.0, 1e-10] {
-            let [mut damper, mut weak] = [&damper, &weak].map(|joint| Contact::at_rest(joint, compliance));
-            let angle = |index: i32| TAU * f64::from(index) / f64::from(count);
-            for index in 1..=3 * count {
-                let displacement = 4e-5 * angle(index).sin();
-                let velocity = 4e-5 * TAU * angle(index).cos();
-                let duration = 1.0 / f64::from(count);
+        // Damping behind the beam's compliance, too.
+        let [mut damper, mut soft] = [0.0, 1.5e-8].map(|compliance| Contact::at_rest(&damper, compliance));
+        let mut weak = Contact::at_rest(&weak, 0.0);
+        let angle = |index: i32| TAU * f64::from(index) / f64::from(count);
+        for index in 1..=3 * count {
+            let displacement = 4e-5 * angle(index).sin();
+            let velocity = 4e-5 * TAU * angle(index).cos();
+            let duration = 1.0 / f64::from(count);
+            for damper in [&mut damper, &mut soft] {
                 let damped = damper.advance(displacement, LOAD, duration, 0.0);
-                let rubbed = weak.advance(displacement, LOAD, duration, 0.0);
                 // The mean velocity of a step would leave 2e-3.
                 assert!(index < 3 || (damped - damping * velocity).abs() < 2e-5 * damping * TAU * 4e-5);
-                let limit = 50.0 * (1.0 + share * (-velocity.abs() / pace).exp());
-                let slips =
-                    index > count && displacement * velocity > 0.0 && velocity.abs() > 0.9 * TAU * 4e-5;
-                assert!(!slips || (rubbed.abs() / limit - 1.0).abs() < 1e-5, "{index}: {rubbed} {limit}");
             }
+            let rubbed = weak.advance(displacement, LOAD, duration, 0.0);
+            let limit = 50.0 * (1.0 + share * (-velocity.abs() / pace).exp());
+            let slips = index > count && displacement * velocity > 0.0 && velocity.abs() > 0.9 * TAU * 4e-5;
+            assert!(!slips || (rubbed.abs() / limit - 1.0).abs() < 1e-5, "{index}: {rubbed} {limit}");
         }
     }
 

@@ -170,8 +170,8 @@ impl<'a> Motion<'a> {
         self.acceleration
     }
 
-    /// Coordinate `i` a step on under the acceleration `outer` and damping of the frequency `w` (rad/s), by the central difference,
-    /// solved for the next value.
+    /// Coordinate `i` a step on, under the acceleration `outer` and damping of the frequency `w` (rad/s) by the central
+    /// difference, solved for the next value.
     fn stepped(&self, i: usize, w: f64, outer: f64) -> f64 {
         let damping = self.beam.damping_ratio * w * self.step;
         let on = 2.0 * self.now[i] - self.before[i] * (1.0 - damping);
