@@ -237,12 +237,8 @@ impl Search<'_, '_, '_> {
         let mut found = best_of_each(starts.par_iter().filter_map(glanced).collect::<Vec<_>>().into_iter());
         found.par_iter_mut().for_each(|set| Self::screened(looks, set));
         // First looks of another kind are not to be compared with a fit.
-        found.into_par_iter().filter_map(|mut set| self.is_comparable(&mut set).then_some(set)).collect()
-    }
-
-    /// Whether a set that was looked at can be compared with a fit, after a look at the data as they are if the looks are of others.
-    fn is_comparable(&self, set: &mut Set) -> bool {
-        self.looks.is_none() || moved(self.data, set)
+        found.retain_mut(|set| self.looks.is_none() || moved(self.data, set));
+        found
     }
 
     /// `set` without the member in a place, all other numbers as they are; what it predicted with that stays beside them.
@@ -363,82 +359,76 @@ mod tests {
         assert!(!is_behind(&sets, &sets[1], 0, 2));
     }
 
+    /// Has `look` look at what was found with these candidates, and at the search that finds it.
+    fn searched(
+        (model, dataset): &(Model, Dataset),
+        only: &[&str],
+        most: usize,
+        look: impl Fn(&Search, Vec<Set>),
+    ) {
+        let bench = WeightedDataset::new(model, dataset, Assumptions::default(), None).unwrap();
+        let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
+        let base = first(&data, None, model).and_then(|(first, _)| again(&data, &first)).unwrap();
+        let only: Vec<String> = only.iter().map(|id| (*id).to_owned()).collect();
+        let (tried, _) = tried(model, &bench, Some(&only));
+        let scales = magnitudes::of(model, dataset);
+        let question = Question { data: &data, looks: None, beginnings: &[], dataset, scales: &scales };
+        let weighed = weigh(&question, base, &tried, most, &|_| {}).unwrap();
+        let candidates = &weighed.candidates;
+        let search = Search { data: &data, looks: None, beginnings: &[], candidates, most, report: &|_| {} };
+        look(&search, weighed.sets.clone());
+    }
+
     #[test]
     fn no_set_fits_worse_than_a_part_of_it() {
         let mut random = fastrand::Rng::with_seed(3);
+        let only = ["residual_stiffness", "asymmetry", "contact_damping", "stiffening", "wear"];
         for _ in 0..8 {
-            let (model, dataset) = measured(&mut random);
-            let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
-            let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
-            let base = first(&data, None, &model).and_then(|(first, _)| again(&data, &first)).unwrap();
-            let only = ["residual_stiffness", "asymmetry", "contact_damping", "stiffening", "wear"];
-            let (tried, _) = tried(&model, &bench, Some(&only.map(str::to_owned)));
-            let scales = magnitudes::of(&model, &dataset);
-            let question =
-                Question { data: &data, looks: None, beginnings: &[], dataset: &dataset, scales: &scales };
-            let weighed = weigh(&question, base, &tried, 3, &|_| {}).unwrap();
-            let mut sets = weighed.sets;
-            sets.retain(|set| set.discrepancy.is_none());
-            assert_eq!(stuck(&sets), []);
-            // One that stuck is freed.
-            let pair = sets.iter().position(|set| set.members.len() > 1 && !set.screened).unwrap();
-            let free = peak(&sets[pair]);
-            sets[pair].posterior.log_peak = -1e9;
-            assert_eq!(stuck(&sets), [pair]);
-            let (candidates, report) = (&weighed.candidates, &|_: &str| {});
-            Search { data: &data, looks: None, beginnings: &[], candidates, most: 3, report }.nest(&mut sets);
-            assert_eq!(stuck(&sets), []);
-            assert!((peak(&sets[pair]) - free).abs() < STUCK, "{} {free}", peak(&sets[pair]));
+            searched(&measured(&mut random), &only, 3, |search, mut sets| {
+                sets.retain(|set| set.discrepancy.is_none());
+                assert_eq!(stuck(&sets), []);
+                // One that stuck is freed.
+                let pair = sets.iter().position(|set| set.members.len() > 1 && !set.screened).unwrap();
+                let free = peak(&sets[pair]);
+                sets[pair].posterior.log_peak = -1e9;
+                assert_eq!(stuck(&sets), [pair]);
+                search.nest(&mut sets);
+                assert_eq!(stuck(&sets), []);
+                assert!((peak(&sets[pair]) - free).abs() < STUCK, "{} {free}", peak(&sets[pair]));
+            });
         }
     }
 
     #[test]
     fn what_is_left_of_a_set_has_its_numbers() {
-        let (model, dataset) = measured(&mut fastrand::Rng::with_seed(2));
-        let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
-        let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
-        let base = first(&data, None, &model).and_then(|(first, _)| again(&data, &first)).unwrap();
-        let (tried, _) = tried(&model, &bench, Some(&["residual_stiffness".to_owned()]));
-        let scales = magnitudes::of(&model, &dataset);
-        let question =
-            Question { data: &data, looks: None, beginnings: &[], dataset: &dataset, scales: &scales };
-        let weighed = weigh(&question, base, &tried, 1, &|_| {}).unwrap();
-        let (candidates, report) = (&weighed.candidates, &|_: &str| {});
-        let search = Search { data: &data, looks: None, beginnings: &[], candidates, most: 1, report };
-        let with = weighed.sets.iter().find(|set| set.has_just(&[0])).unwrap();
-        let left = search.left_as_it_was(&weighed.sets[0], with, 0).unwrap();
-        assert!(left.members.is_empty() && left.posterior.model.effects.is_empty());
-        for path in ["contact.tangential_stiffness", "contact.friction_coefficient"] {
-            let of = |set: &Set| set.posterior.model.get(path).unwrap();
-            assert!((of(&left) / of(with) - 1.0).abs() < 1e-12 && of(&weighed.sets[0]) != of(with));
-        }
+        let measured = measured(&mut fastrand::Rng::with_seed(2));
+        searched(&measured, &["residual_stiffness"], 1, |search, sets| {
+            let with = sets.iter().find(|set| set.has_just(&[0])).unwrap();
+            let left = search.left_as_it_was(&sets[0], with, 0).unwrap();
+            assert!(left.members.is_empty() && left.posterior.model.effects.is_empty());
+            for path in ["contact.tangential_stiffness", "contact.friction_coefficient"] {
+                let of = |set: &Set| set.posterior.model.get(path).unwrap();
+                assert!((of(&left) / of(with) - 1.0).abs() < 1e-12 && of(&sets[0]) != of(with));
+            }
+        });
     }
 
     #[test]
     fn what_explains_a_part_leads_to_what_explains_more() {
         let mut random = fastrand::Rng::with_seed(5);
+        let only = ["residual_stiffness", "asymmetry", "contact_damping", "wear"];
         for _ in 0..4 {
-            let (model, dataset) = measured(&mut random);
-            let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
-            let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
-            let base = first(&data, None, &model).and_then(|(first, _)| again(&data, &first)).unwrap();
-            let only = ["residual_stiffness", "asymmetry", "contact_damping", "wear"].map(str::to_owned);
-            let (tried, _) = tried(&model, &bench, Some(&only));
-            let scales = magnitudes::of(&model, &dataset);
-            let question =
-                Question { data: &data, looks: None, beginnings: &[], dataset: &dataset, scales: &scales };
-            let weighed = weigh(&question, base, &tried, 1, &|_| {}).unwrap();
-            let (candidates, report) = (&weighed.candidates, &|_: &str| {});
-            let sane = weighed.sets.into_iter().filter(|set| set.discrepancy.is_none());
-            let (empty, mut alone): (Vec<Set>, Vec<Set>) = sane.partition(|set| set.members.is_empty());
-            rank(&mut alone);
-            let search = Search { data: &data, looks: None, beginnings: &[], candidates, most: 1, report };
-            // Without the best of them: from the next it is found again.
-            let mut sets = vec![empty[0].clone(), alone[1].clone()];
-            assert!(search.in_exchange(&mut sets, 1));
-            let found = sets.iter().find(|set| set.has_just(&alone[0].members)).unwrap();
-            assert!((peak(found) - peak(&alone[0])).abs() < STUCK, "{} {}", peak(found), peak(&alone[0]));
-            assert!(!search.in_exchange(&mut vec![empty[0].clone(), alone[0].clone()], 1));
+            searched(&measured(&mut random), &only, 1, |search, sets| {
+                let sane = sets.into_iter().filter(|set| set.discrepancy.is_none());
+                let (empty, mut alone): (Vec<Set>, Vec<Set>) = sane.partition(|set| set.members.is_empty());
+                rank(&mut alone);
+                // Without the best of them: from the next it is found again.
+                let mut sets = vec![empty[0].clone(), alone[1].clone()];
+                assert!(search.in_exchange(&mut sets, 1));
+                let found = sets.iter().find(|set| set.has_just(&alone[0].members)).unwrap();
+                assert!((peak(found) - peak(&alone[0])).abs() < STUCK, "{} {}", peak(found), peak(&alone[0]));
+                assert!(!search.in_exchange(&mut vec![empty[0].clone(), alone[0].clone()], 1));
+            });
         }
     }
 }

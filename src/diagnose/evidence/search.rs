@@ -46,8 +46,9 @@ const IRRELEVANT: f64 = 0.3;
 const FEW: usize = 100;
 /// Behind the best by how much (in nats) a set is not worth a whole fit.
 pub(super) const BEHIND: f64 = 20.0;
-/// Sets of a size, and single effects about measured motions, that are looked at twice (of one member all, where motions are solved for and none of these lacks
-/// nothing) or in the place of a member, that are fitted in full besides the one of the smallest residual, and that larger ones are made from, at most.
+/// At most so many sets of a size, single effects about measured motions, or candidates in the place of a member are looked at
+/// twice (of sets of one member all, where motions are solved for and none of these lacks nothing); so many are fitted in full
+/// besides the one of the smallest residual; and larger ones are made from so many.
 pub(super) const TWICE: usize = 8;
 const FULL: usize = 5;
 pub(super) const PARENTS: usize = 2;

@@ -107,9 +107,9 @@ impl<'a> Contact<'a> {
     /// returns the force (N).
     pub fn advance(&mut self, given: f64, normal_load: f64, duration: f64, time: f64) -> f64 {
         let pace = (given - self.given) / duration;
-        let at_end = at_end(pace, self.paces[0].replace(pace));
+        let given_velocity = at_end(pace, self.paces[0].replace(pace));
         // Behind a compliance the speed is not given: that of the step before stands for it.
-        let velocity = if self.compliance == 0.0 { at_end } else { self.velocity };
+        let velocity = if self.compliance == 0.0 { given_velocity } else { self.velocity };
         let limit = self.joint.friction_coefficient * normal_load.max(0.0) * self.factor(velocity, time);
         let step = Step {
             upper: limit * (1.0 + self.joint.asymmetry),
