@@ -2,8 +2,9 @@
 
 use nalgebra::{Cholesky, DMatrix, SymmetricEigen};
 
-/// Elements of equal length: the eight lowest frequencies are then right within 1e-5.
-const ELEMENTS: usize = 60;
+/// Elements of equal length: the six lowest frequencies are then right within 1e-6. A resonance of a lightly damped beam at a
+/// harmonic of the drive tells an error of its frequency by a hundredth of its damping ratio.
+const ELEMENTS: usize = 120;
 
 /// A beam, clamped at 0 and pinned at its length.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,7 +19,7 @@ pub struct Geometry {
     pub density: f64,
     /// Pa.
     pub youngs_modulus: f64,
-    /// Positions (m, of a node: multiples of length/60) and masses (kg).
+    /// Positions (m, of a node: multiples of length/120) and masses (kg).
     pub point_masses: Vec<(f64, f64)>,
     /// Rotational spring in place of the clamp (N m/rad).
     pub clamp_stiffness: Option<f64>,
@@ -181,7 +182,7 @@ mod tests {
 
     fn wave_numbers(beam: &Geometry) -> Vec<f64> {
         let line_mass = beam.density * beam.width * beam.thickness;
-        let modes = Modes::of(beam, 4);
+        let modes = Modes::of(beam, 6);
         let number = |w: &f64| (w * w * line_mass / beam.bending_stiffness()).powf(0.25) * beam.length;
         modes.angular_frequencies.iter().map(number).collect()
     }
@@ -189,10 +190,9 @@ mod tests {
     #[test]
     fn clamped_pinned_beam_has_its_characteristic_values() {
         // Roots of tan x = tanh x.
-        for (found, exact) in
-            wave_numbers(&bare()).iter().zip([3.926602312, 7.068582746, 10.21017612, 13.35176878])
-        {
-            assert!((found / exact - 1.0).abs() < 2e-6, "{found} {exact}");
+        let roots = [3.926602312, 7.068582746, 10.21017612, 13.35176878, 16.49336143, 19.63495408];
+        for (found, exact) in wave_numbers(&bare()).iter().zip(roots) {
+            assert!((found / exact - 1.0).abs() < 5e-7, "{found} {exact}");
         }
     }
 
