@@ -158,8 +158,6 @@ pub struct Step {
     pub gain_z: f64,
     /// Fraction of the squared error removed (1).
     pub gain_fraction: f64,
-    /// Whether it was removed again at the end because the error is not significantly larger without it.
-    pub dropped: bool,
 }
 
 /// A candidate of one round, refitted jointly with the model.
@@ -171,7 +169,7 @@ pub struct Candidate {
     pub location: Option<String>,
     /// The contact law that shows it in the place of the model's; `None` for the effect's own.
     pub law: Option<&'static str>,
-    /// Error on the training records (1); NaN when it could not be fitted.
+    /// Error on the training records (1); of the model without it where it promises too little to be fitted.
     pub error: f64,
     /// Its gain in standard deviations: √(2 × the gain of log evidence), below zero where that falls (1).
     pub gain_z: f64,
@@ -181,8 +179,6 @@ pub struct Candidate {
     pub parameters: Vec<Estimate>,
     /// Simulations of the fitted records spent on its refit.
     pub evaluations: usize,
-    /// Why it could not be fitted.
-    pub failure: Option<String>,
 }
 
 /// A fitted number with its 95 % interval.

@@ -48,13 +48,12 @@ fn diagnosed(model: &Model, dataset: &Dataset, effects: Option<&[&str]>) -> Diag
     for candidates in std::iter::once(&found.candidates).chain(&found.rounds) {
         for candidate in candidates {
             println!(
-                "  {:?} {:?} error {:.4} z {:.2} fraction {:.3} {:?}",
+                "  {:?} {:?} error {:.4} z {:.2} fraction {:.3}",
                 candidate.effects,
                 candidate.location,
                 candidate.error,
                 candidate.gain_z,
-                candidate.gain_fraction,
-                candidate.failure
+                candidate.gain_fraction
             );
         }
         println!();

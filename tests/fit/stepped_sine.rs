@@ -202,7 +202,7 @@ fn what_bends_a_resonance_comes_first() {
     let told = diagnose(&oscillator(""), &measured, &options, DiagnoseWatch::default()).unwrap();
     assert_eq!((told.verdict, &told.effects[..]), (Verdict::EffectFound, &["geometric_stiffening"][..]));
     for one in &told.candidates {
-        println!("{:?} {} {} {:?}", one.effects, one.error, one.gain_z, one.failure);
+        println!("{:?} {} {}", one.effects, one.error, one.gain_z);
     }
     let first = &told.candidates[0];
     assert_eq!(first.effects, ["geometric_stiffening"]);

@@ -159,6 +159,9 @@ fn hats(nodes: usize, count: usize, x: impl Fn(usize) -> f64) -> Vec<Vec<f64>> {
 
 /// Extremes over all records, by which the tables are scaled.
 struct Extremes {
+    /// Of the displacement: where a sensor has its zero is no part of a motion.
+    middle: f64,
+    /// On either side of it.
     reach: f64,
     fastest: f64,
     longest: f64,
@@ -177,8 +180,11 @@ fn columns(data: &Measured, posterior: &Posterior) -> Latent {
         let time = data.lane(k).record.time()?;
         Some(time.last()? - time.first()?)
     };
+    let places = || motions.iter().flatten().flat_map(|m| m.values.iter().copied());
+    let [low, high] = [places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max)];
     let extremes = Extremes {
-        reach: largest(&mut motions.iter().flatten().flat_map(|m| m.values.iter().copied())),
+        middle: 0.5 * (low + high),
+        reach: f64::MIN_POSITIVE.max(0.5 * (high - low)),
         fastest: largest(&mut motions.iter().flatten().flat_map(|m| m.rates.iter().copied())),
         longest: largest(&mut (0..data.records.len()).filter_map(length)),
     };
@@ -223,7 +229,7 @@ fn of_channel(
         let times = |column: Vec<f64>| column.iter().zip(predicted).map(|(x, f)| x * f / largest).collect();
         columns.into_iter().map(times).collect()
     };
-    let u = |i: usize| motion.values[i] / most.reach;
+    let u = |i: usize| (motion.values[i] - most.middle) / most.reach;
     let v = |i: usize| {
         let v = motion.rates[i] / most.fastest;
         v.signum() * v.abs().sqrt()
@@ -266,4 +272,47 @@ fn remembered(motion: &Motion, time: &[f64], memory: f64) -> Vec<f64> {
     let largest = values.iter().fold(f64::MIN_POSITIVE, |a, b| a.max(b.abs()));
     values.iter_mut().for_each(|x| *x /= largest);
     values
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::{Channel, Dataset, Record, Regime};
+    use crate::diagnose::Assumptions;
+    use crate::diagnose::evidence::first;
+    use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+    use crate::model::Model;
+
+    /// A contact moved to and fro about a place (m).
+    fn moved(about: f64) -> Dataset {
+        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+        let place = |i: i32| 1e-4 * (0.1 * f64::from(i)).sin();
+        let channels = vec![
+            channel("time", "s", (0..200).map(|i| 1e-3 * f64::from(i)).collect()),
+            channel("displacement", "m", (0..200).map(|i| about + place(i)).collect()),
+            channel("force", "N", (0..200).map(|i| (1e6 * place(i)).clamp(-50.0, 50.0)).collect()),
+        ];
+        let record = Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels };
+        Dataset { title: None, records: vec![record] }
+    }
+
+    #[test]
+    fn tables_are_of_the_motion_wherever_the_sensor_has_its_zero() {
+        let model = Model::parse(
+            "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+             tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n",
+        )
+        .unwrap();
+        let [centred, displaced] = [moved(0.0), moved(0.125)];
+        let [centred, displaced] = [&centred, &displaced]
+            .map(|dataset| WeightedDataset::new(&model, dataset, Assumptions::default(), None).unwrap());
+        let [centred, displaced] = [&centred, &displaced].map(|bench| Measured::new(bench, &[0], &[], &[]));
+        let (posterior, _) = first(&centred, None, &model).unwrap();
+        let [centred, displaced] = [&centred, &displaced].map(|data| columns(data, &posterior));
+        assert_eq!(centred.count, displaced.count);
+        for ((w, one), (_, other)) in centred.columns[0].iter().zip(&displaced.columns[0]) {
+            let apart = one.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-6 * one.iter().fold(1e-3, |most: f64, x| most.max(x.abs())), "{w}: {apart}");
+        }
+    }
 }

@@ -148,13 +148,14 @@ impl<'a, 'd> Joint<'a, 'd> {
         let (model, count) = (self.model(y)?, known.at.len());
         let moved = self.moved(y)?.split_off(count);
         let data = self.data;
-        self.slots.par_iter_mut().zip(&known.derivatives).try_for_each(|(slot, derivatives)| {
+        let beside = |(slot, derivatives): (&mut Slot, &Vec<Vec<f64>>)| {
             data.bench.unless_interrupted()?;
             slot.linearise(&model, &moved, y, &[])?;
             slot.take();
             slot.derivatives.splice(0..0, derivatives.iter().cloned());
-            Ok::<(), String>(())
-        })?;
+            Ok(())
+        };
+        first_failure(self.slots.par_iter_mut().zip(&known.derivatives).map(beside))?;
         self.simulations += self.slots.len() * (1 + moved.len());
         let [taken, next] = &known.steps;
         let steps = [&taken[..], &self.steps[count..]].concat();
@@ -219,10 +220,11 @@ impl<'a, 'd> Joint<'a, 'd> {
         self.steps.resize(y.len(), FIRST_STEP);
         let (latent, weights, steps) = (self.latent, &y[self.unknowns.len()..], &self.steps);
         let data = self.data;
-        self.slots.par_iter_mut().try_for_each(|slot| {
+        let anew = |slot: &mut Slot| {
             data.bench.unless_interrupted()?;
             slot.linearise(&model, &moved, y, steps)
-        })?;
+        };
+        first_failure(self.slots.par_iter_mut().map(anew))?;
         for (k, slot) in self.slots.iter_mut().enumerate() {
             slot.take();
             latent.add(k, weights, &mut slot.linearised);
@@ -274,7 +276,12 @@ impl<'a, 'd> Joint<'a, 'd> {
             let converged = self.is_near(y) && promise <= tolerance * end.sums.cost;
             let fresh = self.points.differenced == *y || renewed && self.left == before;
             let ended = self.left == 0 || converged || fresh;
-            if ended || self.points.linearised != *y || self.interrupted() {
+            // A step whose derivatives could not be made is taken back.
+            let lost = self.points.linearised != *y;
+            if lost {
+                y.clone_from(&self.points.linearised);
+            }
+            if ended || lost || self.interrupted() {
                 return Ok(());
             }
             // Derivatives that were only corrected, or taken with other steps, tell no end.
@@ -373,6 +380,13 @@ impl Whitened {
     }
 }
 
+/// All results in order, or the first failure of them: whichever came first in time would depend on the threads.
+fn first_failure<T: Send>(
+    of: impl IndexedParallelIterator<Item = Result<T, String>>,
+) -> Result<Vec<T>, String> {
+    of.collect::<Vec<_>>().into_iter().collect()
+}
+
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     DVectorView::from_slice(a, a.len()).dot(&DVectorView::from_slice(b, b.len()))
 }
@@ -388,20 +402,15 @@ impl SumOfSquares for Joint<'_, '_> {
         self.points.tried = y.to_vec();
         let (latent, weights) = (self.latent, &y[self.unknowns.len()..]);
         let (data, noise) = (self.data, &self.noise);
-        let parts: Result<Vec<f64>, String> = self
-            .slots
-            .par_iter_mut()
-            .enumerate()
-            .map(|(k, slot)| {
-                data.bench.unless_interrupted()?;
-                let nuisances = slot.own_values(y);
-                slot.shown.predict(&model, &nuisances, &mut slot.predictions)?;
-                latent.add(k, weights, &mut slot.predictions);
-                let e = noise.whiten(data, k, &minus(&slot.predictions, &data.lane(k).measured));
-                Ok(dot(&e, &e))
-            })
-            .collect();
-        match parts {
+        let part = |(k, slot): (usize, &mut Slot)| {
+            data.bench.unless_interrupted()?;
+            let nuisances = slot.own_values(y);
+            slot.shown.predict(&model, &nuisances, &mut slot.predictions)?;
+            latent.add(k, weights, &mut slot.predictions);
+            let e = noise.whiten(data, k, &minus(&slot.predictions, &data.lane(k).measured));
+            Ok(dot(&e, &e))
+        };
+        match first_failure(self.slots.par_iter_mut().enumerate().map(part)) {
             Ok(parts) => Some(0.5 * (parts.iter().sum::<f64>() + dot(y, y))).filter(|cost| cost.is_finite()),
             Err(failure) => {
                 self.failure.get_or_insert(failure);

@@ -55,24 +55,50 @@ pub(in crate::diagnose) fn around(
     let mut joint = Joint::new(data, &posterior.model, unknowns, &latent)?;
     let y = white_round(&mut joint, &posterior.y[..unknowns.len()], HERE)?;
     joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
-    let absent = |prepared: &&Prepared| {
-        let own = prepared.candidate.law.is_none();
-        own && !present.iter().any(|k| candidates[*k].candidate.is_form_of(&prepared.candidate))
-    };
     let (mut probes, mut models): (Vec<&Prepared>, Vec<Model>) = (Vec::new(), Vec::new());
-    for prepared in candidates.iter().filter(absent) {
+    let mut lost = Vec::new();
+    for prepared in absent(candidates, present) {
         let mut place = vec![0.0; prepared.coordinates.len()];
         place[0] = SMALL;
-        if let Some(model) = prepared.beside(&posterior.model, &place) {
-            probes.push(prepared);
-            models.push(model);
+        match prepared.beside(&posterior.model, &place) {
+            Some(model) => {
+                probes.push(prepared);
+                models.push(model);
+            }
+            None => lost.push(prepared),
         }
     }
     let changes = joint.changes(&y, &models);
     data.bench.count(joint.simulations);
-    let seen = probes.into_iter().zip(changes).filter_map(|(probe, change)| Some((probe, change?)));
-    let changes = projected(data, &joint, &y, seen)?;
-    Ok(told(&changes, candidates.len(), data.assumptions()))
+    let mut seen = Vec::new();
+    for (probe, change) in probes.into_iter().zip(changes) {
+        match change {
+            Some(change) => seen.push((probe, change)),
+            None => lost.push(probe),
+        }
+    }
+    let changes = projected(data, &joint, &y, seen.into_iter())?;
+    let mut found = told(&changes, candidates.len(), data.assumptions());
+    lost.into_iter().for_each(|prepared| smaller(&mut found.detectable, prepared, None, Some(1.0)));
+    Ok(found)
+}
+
+/// Candidates by laws of the model that are no form of what is `present`.
+fn absent<'c>(candidates: &'c [Prepared], present: &[usize]) -> impl Iterator<Item = &'c Prepared> {
+    candidates.iter().filter(|prepared| {
+        let own = prepared.candidate.law.is_none();
+        own && !present.iter().any(|k| candidates[*k].candidate.is_form_of(&prepared.candidate))
+    })
+}
+
+impl Sensitivities {
+    /// Where nothing could be predicted around a hypothesis: any of the `candidates` beside what is `present` may be there, and
+    /// matter.
+    pub fn unknown(candidates: &[Prepared], present: &[usize]) -> Self {
+        let mut found = Self::default();
+        absent(candidates, present).for_each(|one| smaller(&mut found.detectable, one, None, Some(1.0)));
+        found
+    }
 }
 
 fn projected<'c>(
@@ -127,7 +153,7 @@ fn told(changes: &[Change], candidates: usize, assumed: &Assumptions) -> Sensiti
         }
         let size = visible(change).then(|| limit(change, candidates, assumed));
         let relevant = visible(change).then(|| is_relevant(change, assumed));
-        smaller(&mut found.detectable, change, size, relevant);
+        smaller(&mut found.detectable, change.prepared, size, relevant);
     }
     for (index, a) in changes.iter().enumerate() {
         for b in changes[..index].iter().filter(|b| visible(a) && visible(b)) {
@@ -171,9 +197,8 @@ fn is_relevant(change: &Change, assumed: &Assumptions) -> f64 {
 }
 
 /// Notes the size for the effect, the smallest where it can be at several places.
-fn smaller(found: &mut Vec<Detectable>, change: &Change, size: Option<f64>, relevant: Option<f64>) {
-    let effect = change.prepared.candidate.effect;
-    let parameter = change.prepared.quantities[0];
+fn smaller(found: &mut Vec<Detectable>, prepared: &Prepared, size: Option<f64>, relevant: Option<f64>) {
+    let (effect, parameter) = (prepared.candidate.effect, prepared.quantities[0]);
     match found.iter_mut().find(|known| known.effect == effect.id) {
         Some(known) => {
             known.value = match (known.value, size) {

@@ -222,7 +222,7 @@ mod tests {
         let base = first(&data, None, &given).and_then(|(first, _)| again(&data, &first)).unwrap();
         let (tried, _) = tried(&given, &bench, None);
         let scales = magnitudes::of(&given, &dataset);
-        let (candidates, _) = probe::prepare(&data, &base, &tried, &scales, &dataset).unwrap();
+        let candidates = probe::prepare(&data, &base, &tried, &scales, &dataset).unwrap().prepared;
         let search = Search {
             data: &data,
             looks: None,
@@ -261,7 +261,7 @@ mod tests {
         let base = first(&data, None, &given).and_then(|(first, _)| again(&data, &first)).unwrap();
         let (tried, _) = tried(&given, &bench, Some(&["hanging_mass".to_owned()]));
         let scales = magnitudes::of(&given, &dataset);
-        let (candidates, _) = probe::prepare(&data, &base, &tried, &scales, &dataset).unwrap();
+        let candidates = probe::prepare(&data, &base, &tried, &scales, &dataset).unwrap().prepared;
         let search = Search {
             data: &data,
             looks: Some(&looks),

@@ -43,6 +43,7 @@ pub(super) use search::{Search, Set};
 use joint::Joint;
 use latent::Latent;
 use posterior::{HERE, LOOK, Start, fit, screen, screened, white_round};
+use probe::Sorted;
 use unknown::Unknown;
 
 use super::candidates::Candidate;
@@ -64,6 +65,8 @@ pub(super) struct Weighed {
     pub candidates: Vec<Prepared>,
     /// What changes nothing in these data, whatever its size.
     pub silent: Vec<Candidate>,
+    /// What nothing can be predicted with.
+    pub unpredictable: Vec<Candidate>,
     /// What other starts say of the set that is told.
     pub agreement: Agreement,
 }
@@ -97,7 +100,9 @@ impl Weighed {
     pub fn refitted_as(&mut self, fitted: Posterior, data: &Measured) {
         let known = &mut self.sets[0].posterior;
         if data.left(&fitted.predictions) < data.left(&known.predictions) {
-            *known = fitted;
+            // Sets are compared by whole fits.
+            let Posterior { log_evidence, log_peak, .. } = *known;
+            *known = Posterior { log_evidence, log_peak, ..fitted };
             widen(data, known);
         }
     }
@@ -165,7 +170,8 @@ pub(super) fn weigh(
     report: &(dyn Fn(&str) + Sync),
 ) -> Result<Weighed, String> {
     let Question { data, looks, beginnings, dataset, scales } = *question;
-    let (candidates, silent) = probe::prepare(data, &base, tried, scales, dataset)?;
+    let Sorted { prepared: candidates, silent, unpredictable } =
+        probe::prepare(data, &base, tried, scales, dataset)?;
     let search = Search { data, looks, beginnings, candidates: &candidates, most, report };
     let sets = search.run(base);
     let weights = weights::of(data, &sets, &candidates);
@@ -173,7 +179,8 @@ pub(super) fn weigh(
     let named: Vec<Set> = sane.iter().map(|k| sets[*k].clone()).collect();
     let mut within = vec![0.0; sets.len()];
     sane.iter().zip(weights::of(data, &named, &candidates)).for_each(|(k, weight)| within[*k] = weight);
-    Ok(Weighed { sets, weights, within, candidates, silent, agreement: Agreement::default() })
+    let agreement = Agreement::default();
+    Ok(Weighed { sets, weights, within, candidates, silent, unpredictable, agreement })
 }
 
 /// The best fit with one of `candidates` beside `base`, from every start that promises something.
@@ -183,7 +190,7 @@ pub(super) fn added(
     candidates: &[Candidate],
 ) -> Result<Posterior, String> {
     let Question { data, looks, beginnings, dataset, scales } = *question;
-    let (candidates, _) = probe::prepare(data, base, candidates, scales, dataset)?;
+    let candidates = probe::prepare(data, base, candidates, scales, dataset)?.prepared;
     let report = |_: &str| {};
     let search = Search { data, looks, beginnings, candidates: &candidates, most: 1, report: &report };
     search.alone(base).ok_or_else(|| "the effect changes nothing in these records".to_owned())

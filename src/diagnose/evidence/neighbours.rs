@@ -77,7 +77,7 @@ impl Search<'_, '_, '_> {
                 .or_else(|| self.doubted(set))?;
             let force = with.discrepancy == Some(Discrepancy::Force);
             if force && (evidence(&with) - best).abs() < BEHIND {
-                self.doubt_in_full(&mut with);
+                self.doubt_in_full(set, &mut with);
             }
             let without = (evidence(&with) > best - BEHIND).then(|| self.refitted_from(set, &with)).flatten();
             Some((*k, with, without))
@@ -99,12 +99,13 @@ impl Search<'_, '_, '_> {
         (found.log_evidence > evidence(set)).then_some(found)
     }
 
-    fn doubt_in_full(&self, set: &mut Set) {
+    /// Fits `with`, which is `set` with a discrepancy to first order.
+    fn doubt_in_full(&self, set: &Set, with: &mut Set) {
         let Ok(doubt) = discrepancy::about(self.data, &set.posterior) else { return };
         let Posterior { model, unknowns, .. } = &set.posterior;
         let start = Start { model, unknowns, y: &doubt.y };
         match fit(self.data, &start, &doubt.latent, Some(&doubt.priors)) {
-            Ok(whole) if whole.log_evidence > doubt.log_evidence => set.posterior = whole,
+            Ok(whole) if whole.log_evidence > doubt.log_evidence => with.posterior = whole,
             _ => {}
         }
     }
@@ -140,6 +141,20 @@ impl Search<'_, '_, '_> {
                     *known = set;
                 }
             }
+        }
+    }
+
+    /// Fits those that were only looked at and promise not far less than the best.
+    pub(super) fn make_sure(&self, sets: &mut [Set]) {
+        let mut tried = vec![false; sets.len()];
+        loop {
+            let best =
+                sets.iter().filter(|set| !set.screened).map(evidence).fold(f64::NEG_INFINITY, f64::max);
+            let open = |k: &usize| sets[*k].screened && !tried[*k] && evidence(&sets[*k]) > best - BEHIND;
+            let order = |a: &usize, b: &usize| evidence(&sets[*a]).total_cmp(&evidence(&sets[*b]));
+            let Some(next) = (0..sets.len()).filter(open).max_by(order) else { break };
+            tried[next] = true;
+            self.finish(&mut sets[next]);
         }
     }
 
@@ -346,6 +361,16 @@ mod tests {
         assert!(!follows(&[], -1000.0) && !follows(&[], -501.0) && follows(&[], -499.0));
         assert!(!follows(&[2], -29.0) && follows(&[2], -19.0));
         assert!(follows(&[3], -1e6));
+    }
+
+    #[test]
+    fn a_whole_fit_stands_against_what_a_look_promised() {
+        let mut sets = vec![set(&[], 0.0), Set { screened: true, ..set(&[1], 30.0) }];
+        keep(&mut sets, set(&[1], 20.0));
+        assert_eq!((sets.len(), evidence(&sets[1]), sets[1].screened), (2, 20.0, false));
+        keep(&mut sets, Set { screened: true, ..set(&[1], 40.0) });
+        keep(&mut sets, set(&[1], 19.0));
+        assert_eq!((evidence(&sets[1]), sets[1].screened), (20.0, false));
     }
 
     #[test]

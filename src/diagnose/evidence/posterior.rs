@@ -185,14 +185,12 @@ pub(super) fn fit(
     let mut y = white_round(&mut joint, &shared, ROUND)?;
     let mut best: Option<Posterior> = None;
     for _ in 0..ROUNDS.0 {
-        joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
-        joint.minimise(&mut y, ROUND.steps, ROUND.tolerance)?;
-        joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
-        if joint.rescan(&mut y)? {
-            joint.minimise(&mut y, ROUND.steps, ROUND.tolerance)?;
-            joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
-        }
-        let found = posterior(&joint, start.unknowns, &mut y, false)?;
+        let found = match coloured_round(&mut joint, start.unknowns, &mut y) {
+            Ok(found) => found,
+            // What was found before stands.
+            Err(_) if best.is_some() && !data.bench.interrupted() => break,
+            Err(failure) => return Err(failure),
+        };
         let last = best.as_ref().map_or(f64::NEG_INFINITY, |best| best.log_evidence);
         let change = found.log_evidence - last;
         if change > 0.0 {
@@ -205,6 +203,19 @@ pub(super) fn fit(
     data.bench.count_refit();
     data.bench.count(joint.simulations);
     best.ok_or_else(|| "the evidence is not finite".to_owned())
+}
+
+/// A round with noise as coloured as the residual is, from the last linearised point `y`.
+fn coloured_round(joint: &mut Joint, unknowns: &[Unknown], y: &mut Vec<f64>) -> Result<Posterior, String> {
+    let data = joint.data;
+    joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
+    joint.minimise(y, ROUND.steps, ROUND.tolerance)?;
+    joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
+    if joint.rescan(y)? {
+        joint.minimise(y, ROUND.steps, ROUND.tolerance)?;
+        joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
+    }
+    posterior(joint, unknowns, y, false)
 }
 
 /// From the `shared` unknowns with starts of the records scanned anew, under white noise of the size of the residuals.

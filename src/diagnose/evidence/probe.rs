@@ -67,20 +67,31 @@ pub(super) const SMALL: &[f64] = SIZES.split_at(1).0;
 const ROUNDS: usize = 5;
 const NOTHING: f64 = 1e-9;
 
-/// The candidates that change the predictions about `base` at all, with their priors; and those that do not.
+/// Candidates sorted by what they change.
+pub(super) struct Sorted {
+    /// What changes the predictions, with its priors.
+    pub prepared: Vec<Prepared>,
+    /// What does not, whatever its size.
+    pub silent: Vec<Candidate>,
+    /// What nothing can be predicted with.
+    pub unpredictable: Vec<Candidate>,
+}
+
+/// The `candidates` by what they change of the predictions about `base`.
 pub(super) fn prepare(
     data: &Measured,
     base: &Posterior,
     candidates: &[Candidate],
     scales: &Scales,
     dataset: &Dataset,
-) -> Result<(Vec<Prepared>, Vec<Candidate>), String> {
+) -> Result<Sorted, String> {
     let latent = Latent::default();
     let mut joint = Joint::new(data, &base.model, &base.unknowns, &latent)?;
     let y = white_round(&mut joint, &base.y, HERE)?;
     let brought: Vec<Vec<Brought>> = candidates.iter().map(|c| c.brings(scales, dataset)).collect();
     let mut sizes: Vec<f64> = brought.iter().map(|brought| first_size(&brought[0])).collect();
     let mut found: Vec<Option<f64>> = vec![None; candidates.len()];
+    let mut reached = vec![false; candidates.len()];
     let mut open: Vec<usize> = (0..candidates.len()).collect();
     // Sizes and changes of the round before.
     let mut before: Vec<Option<(f64, f64)>> = vec![None; candidates.len()];
@@ -99,6 +110,7 @@ pub(super) fn prepare(
                 left.push(c);
                 continue;
             };
+            reached[c] = true;
             if change < NOTHING {
                 continue;
             }
@@ -128,14 +140,15 @@ pub(super) fn prepare(
     data.bench.count(joint.simulations);
     // What was not looked at is not without effect.
     data.bench.unless_interrupted()?;
-    let (mut prepared, mut without) = (Vec::new(), Vec::new());
-    for ((candidate, brought), size) in candidates.iter().zip(&brought).zip(found) {
-        match size {
-            Some(size) => prepared.push(of(candidate, brought, size, data.assumptions())),
-            None => without.push(candidate.clone()),
+    let mut sorted = Sorted { prepared: Vec::new(), silent: Vec::new(), unpredictable: Vec::new() };
+    for (c, candidate) in candidates.iter().enumerate() {
+        match found[c] {
+            Some(size) => sorted.prepared.push(of(candidate, &brought[c], size, data.assumptions())),
+            None if reached[c] => sorted.silent.push(candidate.clone()),
+            None => sorted.unpredictable.push(candidate.clone()),
         }
     }
-    Ok((prepared, without))
+    Ok(sorted)
 }
 
 fn of(candidate: &Candidate, brought: &[Brought], size: f64, assumed: &Assumptions) -> Prepared {
@@ -386,7 +399,7 @@ mod tests {
         let only = ["backlash", "residual_stiffness", "contact_damping"].map(str::to_owned);
         let (tried, _) = tried(&model, &bench, Some(&only));
         let scales = magnitudes::of(&model, &dataset);
-        let (candidates, _) = prepare(&data, &base, &tried, &scales, &dataset).unwrap();
+        let candidates = prepare(&data, &base, &tried, &scales, &dataset).unwrap().prepared;
         for (owner, candidate) in candidates.iter().enumerate() {
             let probed = around(&data, &base, &candidates, &[owner], SIZES).unwrap();
             let y = probed.probes[0].start(&candidate.coordinates[0]);
@@ -413,7 +426,7 @@ mod tests {
             let base = first(&data, None, &model).and_then(|(first, _)| again(&data, &first)).unwrap();
             let (tried, _) = tried(&model, &bench, Some(&["backlash".to_owned()]));
             let scales = magnitudes::of(&model, &dataset);
-            let (candidates, _) = prepare(&data, &base, &tried, &scales, &dataset).unwrap();
+            let candidates = prepare(&data, &base, &tried, &scales, &dataset).unwrap().prepared;
             let found = around(&data, &base, &candidates, &[0], SIZES).unwrap().probes;
             let best = &found[0];
             let gap = candidates[0].coordinates[0].value(best.y[0] * best.multiple);

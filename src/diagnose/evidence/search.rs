@@ -114,6 +114,7 @@ impl Search<'_, '_, '_> {
         self.told("likely sets of effects without one of them");
         self.nest(&mut sets);
         self.told("sets of effects that fitted worse than smaller ones");
+        self.make_sure(&mut sets);
         self.doubt(&mut sets, doubts);
         self.told("likely sets of effects with a discrepancy");
         sets
@@ -328,10 +329,12 @@ pub(super) fn is_adequate(data: &Measured, set: &Set, doubt: Option<&Set>) -> bo
     doubt.map_or_else(is_noise, |doubt| evidence(doubt) < evidence(set))
 }
 
-/// Adds `set`, or puts it in the place of a less likely one of the same members.
+/// Adds `set`, or puts it in the place of one of the same members that was only looked at, or is less likely: what a look
+/// promises is no evidence against a whole fit.
 pub(super) fn keep(sets: &mut Vec<Set>, set: Set) {
+    let order = |a: &Set, b: &Set| b.screened.cmp(&a.screened).then(evidence(a).total_cmp(&evidence(b)));
     match sets.iter_mut().find(|known| known.has_just(&set.members)) {
-        Some(known) if evidence(known) < evidence(&set) => *known = set,
+        Some(known) if order(known, &set).is_lt() => *known = set,
         Some(_) => {}
         None => sets.push(set),
     }

@@ -44,9 +44,10 @@ impl Coordinate {
     pub fn of_base(parameter: &ModelParameter, assumed: &Assumptions) -> Self {
         let value = parameter.value;
         let path = parameter.path.as_str();
-        let structural = path == "beam.youngs_modulus"
-            || path.contains("mass")
-            || path.contains("stiffness") && !path.starts_with("contact");
+        // What an effect brought is none of it: an effect that was added before was measured, not drawn.
+        let structural = !path.starts_with("contact.")
+            && !path.starts_with("effect.")
+            && (path == "beam.youngs_modulus" || path.contains("mass") || path.contains("stiffness"));
         let spread = if structural { assumed.structure_guess } else { assumed.parameter_guess };
         let least = parameter.quantity.min.unwrap_or(parameter.lower.min(0.0));
         let upper = parameter.quantity.max.unwrap_or(f64::INFINITY);
@@ -191,6 +192,25 @@ mod tests {
 
     fn stretched(measure: Measure, spread: f64) -> Coordinate {
         Coordinate { measure, centre: 0.0, spread, lower: f64::NEG_INFINITY, upper: f64::INFINITY }
+    }
+
+    #[test]
+    fn what_an_effect_brought_is_known_no_better_than_a_contact() {
+        let model = Model::parse(
+            "schema = \"stickslip.model/1\"\nkind = \"oscillator\"\n[[mass]]\nname = \"m1\"\nmass = 1.0\n[[spring]]\n\
+             between = [\"ground\", \"m1\"]\nstiffness = 4e3\ndamping = 1.0\n[contact]\nat = \"m1\"\nlaw = \"jenkins\"\n\
+             tangential_stiffness = 2e3\nfriction_coefficient = 0.3\nnormal_load = 10.0\n[[effect]]\n\
+             id = \"residual_stiffness\"\nresidual_stiffness = 200.0\n",
+        )
+        .unwrap();
+        let assumed = Assumptions::default();
+        let spread = |path: &str| {
+            let parameters = model.parameters();
+            Coordinate::of_base(parameters.iter().find(|one| one.path == path).unwrap(), &assumed).spread
+        };
+        assert_eq!(spread("spring.1.stiffness"), assumed.structure_guess);
+        assert_eq!(spread("contact.tangential_stiffness"), assumed.parameter_guess);
+        assert_eq!(spread("effect.1.residual_stiffness"), 200.0 * assumed.parameter_guess);
     }
 
     #[test]

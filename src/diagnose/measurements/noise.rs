@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::cycles::{Cycles, SAME, driver};
 use super::seen::Seen;
 use super::weighted_dataset::RecordResiduals;
-use crate::data::{Channel, Dataset, Record};
+use crate::data::{Channel, Dataset, Record, Regime};
 use crate::diagnose::diagnosis::{Noise, NoiseSource};
 use crate::fit::predict::{compared, white_noise};
 use crate::model::Model;
@@ -49,8 +49,11 @@ pub(in crate::diagnose) fn measure(lanes: &[RecordResiduals]) -> Vec<Noise> {
 
 /// From the record itself, or from another of the same motion.
 fn seen(lanes: &[RecordResiduals], record: usize, name: &str, values: &[f64]) -> (Option<Seen>, NoiseSource) {
-    let Some(drive) = driver(lanes[record].record) else { return (None, NoiseSource::Unknown) };
-    if let Some(cycles) = Cycles::of(drive)
+    let whole = lanes[record].record;
+    let Some(drive) = driver(whole) else { return (None, NoiseSource::Unknown) };
+    // A structure goes on swinging when its excitation repeats already.
+    let repeats = drive.quantity() == "displacement" || whole.regime == Regime::Steady;
+    if let Some(cycles) = Cycles::of(drive).filter(|_| repeats)
         && cycles.inputs_repeat(lanes[record].record)
         && let Some(seen) = cycles.noise(values)
     {
@@ -69,7 +72,10 @@ fn seen(lanes: &[RecordResiduals], record: usize, name: &str, values: &[f64]) ->
     let Some(one) = differences.first() else { return (None, NoiseSource::Unknown) };
     let square = |apart: &Vec<f64>| apart.iter().map(|x| x * x).sum::<f64>() / (2.0 * values.len() as f64);
     let mean = differences.iter().map(square).sum::<f64>() / differences.len() as f64;
-    (Some(Seen::of(mean.sqrt(), one, values.len() / 10)), NoiseSource::Repeats)
+    let mut seen = Seen::of(mean.sqrt(), one, values.len() / 10);
+    // Few values, or what does not die away, are known no better than independent ones.
+    seen.log_error = seen.log_error.max((2.0 * one.len() as f64).sqrt().recip());
+    (Some(seen), NoiseSource::Repeats)
 }
 
 /// Two other inputs are: a measured load has its own noise.
@@ -244,6 +250,61 @@ mod tests {
         };
         let mean = (0..3000).map(told).sum::<f64>() / 3000.0;
         assert!((mean - 1.0).abs() < 0.02, "{mean}");
+    }
+
+    /// The noise of a channel that records of one `drive` show.
+    fn noise(regime: Regime, drive: (&str, &[f64]), name: &'static str, shown: &[Vec<f64>]) -> Vec<Noise> {
+        let channel = |name: &str, values: &[f64]| Channel {
+            name: name.into(),
+            unit: "",
+            values: values.to_vec(),
+            noise: None,
+        };
+        let record = |shown: &Vec<f64>| {
+            let time: Vec<f64> = (0..shown.len()).map(|i| 1e-3 * i as f64).collect();
+            let channels = vec![channel("time", &time), channel(drive.0, drive.1), channel(name, shown)];
+            Record { name: "r".into(), regime, use_for: None, channels }
+        };
+        let records: Vec<Record> = shown.iter().map(record).collect();
+        let lane = |(record, shown): (_, &Vec<f64>)| {
+            let mut lane = RecordResiduals::empty(record, None);
+            lane.measured.clone_from(shown);
+            lane.channels.push((name, 0..shown.len()));
+            lane
+        };
+        measure(&records.iter().zip(shown).map(lane).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn a_structure_that_swings_in_from_rest_shows_no_noise_by_its_periods() {
+        let mut noisy = normal(4);
+        let angle = |i: i32| std::f64::consts::TAU * f64::from(i) / 50.0;
+        let drive: Vec<f64> = (0..1000).map(|i| angle(i).sin()).collect();
+        // Free vibration at another frequency, damped by half a percent, dies away beside what the excitation does.
+        let free = |i: i32| (-0.005 * 1.3 * angle(i)).exp() * (1.3 * angle(i)).cos();
+        let shown: Vec<f64> = (0..1000).map(|i| angle(i).cos() - free(i) + 0.01 * noisy()).collect();
+        let of = |regime, shown| {
+            noise(regime, ("excitation:m1", &drive), "acceleration:m1", &[shown]).swap_remove(0)
+        };
+        assert_eq!(of(Regime::FromRest, shown).source, NoiseSource::Unknown);
+        let steady: Vec<f64> = (0..1000).map(|i| angle(i).cos() + 0.01 * noisy()).collect();
+        let found = of(Regime::Steady, steady);
+        assert_eq!(found.source, NoiseSource::Periods);
+        assert!((found.deviation.unwrap() / 0.01).ln().abs() < 0.2, "{found:?}");
+    }
+
+    #[test]
+    fn few_repeated_values_tell_no_exact_noise() {
+        let mut noisy = normal(5);
+        for seed in 0..20 {
+            let ramp: Vec<f64> = (0..8).map(|i| f64::from(i * i + seed)).collect();
+            let mut shown = || ramp.iter().map(|x| x + 0.1 * noisy()).collect();
+            let pair = [shown(), shown()];
+            for found in noise(Regime::FromRest, ("displacement", &ramp), "force", &pair) {
+                assert_eq!(found.source, NoiseSource::Repeats);
+                assert!(found.log_error >= 0.25, "{found:?}");
+            }
+        }
     }
 
     #[test]

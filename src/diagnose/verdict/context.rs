@@ -1,5 +1,6 @@
 //! What the answer is about, and what its parts ask of it.
 
+use super::shared::Explanation;
 use crate::contact::LawKind;
 use crate::data::Dataset;
 use crate::diagnose::candidates::Candidate as Form;
@@ -55,6 +56,40 @@ impl Weighed {
         let mut ids = self.ordered(set);
         ids.sort_unstable();
         ids
+    }
+
+    /// Those of the sets without a discrepancy of which the effects, sorted, are `wanted`.
+    fn of_which<'w>(&'w self, wanted: impl Fn(&[&str]) -> bool + 'w) -> impl Iterator<Item = usize> + 'w {
+        (0..self.sets.len()).filter(move |k| self.sets[*k].discrepancy.is_none() && wanted(&self.ids(*k)))
+    }
+
+    /// The likeliest of those.
+    pub(super) fn likeliest(&self, wanted: impl Fn(&[&str]) -> bool) -> Option<usize> {
+        self.of_which(wanted).max_by(|a, b| self.within[*a].total_cmp(&self.within[*b]))
+    }
+
+    /// Their probability.
+    pub(super) fn sum(&self, wanted: impl Fn(&[&str]) -> bool) -> f64 {
+        self.of_which(wanted).map(|k| self.weights[k]).sum()
+    }
+
+    /// Probability of the effects of a set and nothing else, in any form.
+    pub(super) fn alone(&self, set: usize) -> f64 {
+        let ids = self.ids(set);
+        self.sum(|of| of == ids)
+    }
+
+    /// What may be missing, each with its probability.
+    pub(super) fn explanations(&self) -> Vec<Explanation> {
+        let mut found: Vec<Explanation> = Vec::new();
+        for k in self.of_which(|_| true) {
+            let ids = self.ids(k);
+            match found.iter_mut().find(|(known, _)| *known == ids) {
+                Some((_, sum)) => *sum += self.weights[k],
+                None => found.push((ids, self.weights[k])),
+            }
+        }
+        found
     }
 
     pub(super) fn form(&self, member: usize) -> &Form {

@@ -2,6 +2,7 @@
 
 use super::confound;
 use super::context::Context;
+use super::shared::{Shared, shared};
 use crate::diagnose::diagnosis::{Detectable, Group, Verdict};
 use crate::diagnose::evidence::{self, Measured, Sensitivities, Weighed};
 
@@ -9,6 +10,8 @@ use crate::diagnose::evidence::{self, Measured, Sensitivities, Weighed};
 pub(in crate::diagnose) struct Decision {
     pub verdict: Verdict,
     pub probability: f64,
+    /// Of what is named and nothing else, in any form.
+    pub alone: f64,
     /// The likeliest set without a discrepancy; the empty one where what it names is taken back.
     pub best: usize,
     /// The same before anything is taken back.
@@ -43,16 +46,14 @@ impl Decision {
     /// Of the probabilities alone.
     pub fn of(context: &Context, weighed: &Weighed) -> Self {
         let sets = &weighed.sets;
-        let order = |a: &usize, b: &usize| weighed.within[*a].total_cmp(&weighed.within[*b]);
-        let best = (0..sets.len()).filter(|k| sets[*k].discrepancy.is_none()).max_by(order).unwrap_or(0);
-        let sum = |of: &dyn Fn(usize) -> bool| {
-            (0..sets.len()).filter(|k| of(*k)).map(|k| weighed.weights[k]).sum::<f64>()
-        };
-        let doubt = sum(&|k| sets[k].discrepancy.is_some());
-        let ids = |k: usize| weighed.ids(k);
+        let best = weighed.likeliest(|_| true).unwrap_or(0);
+        let doubt =
+            (0..sets.len()).filter(|k| sets[*k].discrepancy.is_some()).map(|k| weighed.weights[k]).sum();
+        let alone = weighed.alone(best);
         let mut decision = Self {
             verdict: Verdict::InsufficientData,
-            probability: sum(&|k| sets[k].discrepancy.is_none() && ids(k) == ids(best)),
+            probability: alone,
+            alone,
             best,
             likeliest: best,
             doubt,
@@ -61,41 +62,34 @@ impl Decision {
             open: Vec::new(),
             taken_back: None,
         };
-        let some = sum(&|k| sets[k].discrepancy.is_none() && !sets[k].members.is_empty());
+        let some = weighed.sum(|ids| !ids.is_empty());
         let certainly = context.data.assumptions().certain;
         if doubt >= certainly {
             (decision.verdict, decision.probability) = (Verdict::Unexplained, doubt);
         } else if decision.probability >= certainly {
             decision.verdict = certain(context, weighed, best);
         } else if some >= certainly {
-            decision.share(weighed, some, 1.0 - certainly);
+            decision.share(weighed, some, certainly);
         } else {
             decision.probability = 1.0 - doubt.max(decision.probability);
         }
         decision
     }
 
-    /// What several sets say together that have a probability of `some`: what is in each of them is found; what is in some of
-    /// them is a group, or one effect that is left open beside those found.
-    fn share(&mut self, weighed: &Weighed, some: f64, negligible: f64) {
-        let likely = |k: &usize| weighed.sets[*k].discrepancy.is_none() && weighed.weights[*k] > negligible;
-        let mut likely: Vec<usize> = (0..weighed.sets.len()).filter(likely).collect();
-        likely.sort_by(|a, b| weighed.weights[*b].total_cmp(&weighed.weights[*a]));
-        let mut open: Vec<&'static str> = Vec::new();
-        for id in likely.iter().flat_map(|k| weighed.ids(*k)) {
-            let everywhere = likely.iter().all(|k| weighed.ids(*k).contains(&id));
-            let list = if everywhere { &mut self.certain } else { &mut open };
-            if !list.contains(&id) {
-                list.push(id);
-            }
-        }
-        let just = likely.iter().find(|k| weighed.ids(**k) == self.certain && !self.certain.is_empty());
+    /// What the sets of `weighed` say together that have a probability of `some`.
+    fn share(&mut self, weighed: &Weighed, some: f64, certainly: f64) {
         self.probability = some;
-        if let (Some(just), true) = (just, open.len() == 1) {
-            (self.verdict, self.best) = (Verdict::EffectFound, *just);
-        } else if open.len() > 1 {
-            self.verdict = Verdict::NotDistinguishable;
-            self.groups = vec![confound::group(open, some)];
+        match shared(&weighed.explanations(), certainly) {
+            Some(Shared::Found(ids, probability)) => {
+                (self.verdict, self.probability) = (Verdict::EffectFound, probability);
+                self.best = weighed.likeliest(|of| of == ids).unwrap_or(self.best);
+                self.alone = weighed.alone(self.best);
+            }
+            Some(Shared::OneOf(certain, open, probability)) => {
+                (self.verdict, self.certain) = (Verdict::NotDistinguishable, certain);
+                self.groups = vec![confound::group(open, probability)];
+            }
+            None => {}
         }
     }
 

@@ -4,7 +4,7 @@ use super::confound;
 use super::decision::TakenBack;
 use super::{Context, Decision, Tested, Weighed};
 use crate::diagnose::diagnosis::{Agreement, Detectable, Errors, Evidence, Verdict};
-use crate::diagnose::evidence::{Discrepancy, Sensitivities};
+use crate::diagnose::evidence::{Discrepancy, Measured, Sensitivities};
 use crate::diagnose::features;
 use crate::effects;
 use crate::fit::residual::Appearance;
@@ -24,6 +24,8 @@ pub(super) struct Explained<'a, 'b, 'd> {
     pub tested: &'a Tested,
     pub errors: &'a Errors,
     pub residual: &'a Appearance,
+    /// Training and test records together.
+    pub all: &'a Measured<'b, 'd>,
 }
 
 fn percent(fraction: f64) -> String {
@@ -63,6 +65,9 @@ pub(super) fn reasons(explained: &Explained) -> Vec<String> {
             percent(tested.with)
         ));
     }
+    if tested.with.is_nan() && !context.parts.test.is_empty() && !context.bench.interrupted() {
+        reasons.push("the test records could not be predicted with that: nothing confirms it".to_owned());
+    }
     if let Some(chi_square) = tested.chi_square {
         reasons.push(format!("on the test records the reduced χ² is {chi_square:.2} (1 means noise alone)"));
     }
@@ -74,12 +79,40 @@ pub(super) fn reasons(explained: &Explained) -> Vec<String> {
         );
     }
     reasons.extend(decision.groups.iter().map(|group| group.reason.clone()));
+    reasons.extend(placed(weighed, decision, context.data.assumptions().certain));
     reasons.extend(opposed(explained));
     reasons.extend(agreed(weighed.agreement));
     if context.bench.interrupted() {
         reasons.push("the search was interrupted: effects that were not tried may fit better".to_owned());
     }
     reasons
+}
+
+/// Where effects are that may be at several places, if the place of what is found is not `certain`.
+fn placed(weighed: &Weighed, decision: &Decision, certain: f64) -> Option<String> {
+    let places = |k: usize| -> Vec<String> {
+        let of = |member: &usize| weighed.form(*member).location.as_ref().map(ToString::to_string);
+        let mut places: Vec<String> = weighed.sets[k].members.iter().filter_map(of).collect();
+        places.sort();
+        places
+    };
+    let ids = weighed.ids(decision.best);
+    let same = |k: &usize| weighed.sets[*k].discrepancy.is_none() && weighed.ids(*k) == ids;
+    let mut found: Vec<(Vec<String>, f64)> = Vec::new();
+    for k in (0..weighed.sets.len()).filter(same) {
+        match found.iter_mut().find(|(known, _)| *known == places(k)) {
+            Some((_, sum)) => *sum += weighed.weights[k],
+            None => found.push((places(k), weighed.weights[k])),
+        }
+    }
+    let all: f64 = found.iter().map(|(_, weight)| weight).sum();
+    found.retain(|(_, weight)| *weight > LIKELY * all);
+    found.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let open = decision.verdict == Verdict::EffectFound && found.first()?.1 < certain * all;
+    let word = |(places, weight): &(Vec<String>, f64)| {
+        format!("`{}` ({})", places.join("`, `"), probability(weight / all))
+    };
+    open.then(|| format!("where it is, is open: {}", found.iter().map(word).collect::<Vec<_>>().join(", ")))
 }
 
 /// What fits from other starts say of the parameters told.
@@ -113,6 +146,12 @@ fn decided(explained: &Explained) -> String {
         Verdict::NothingMissing => format!(
             "with a probability of {p} no effect of the catalogue is missing, and nothing else that follows the motion and moves \
              a channel by more than {small} of its variation"
+        ),
+        Verdict::EffectFound if decision.alone < assumed.certain => format!(
+            "{suggest}with a probability of {p}, {} missing; that nothing else is, which moves a channel by more than {small} of \
+             its variation, has one of {}",
+            named(&weighed.ordered(decision.best)),
+            probability(decision.alone)
         ),
         Verdict::EffectFound => format!(
             "{suggest}with a probability of {p}, {} missing, and nothing else that moves a channel by more than {small} of its \
@@ -253,17 +292,15 @@ fn others(weighed: &Weighed, decision: &Decision, certain: f64) -> String {
 
 /// Name of the record that the best set describes worst against its noise, of all records.
 fn worst(explained: &Explained) -> String {
-    let Explained { context, weighed, decision, .. } = explained;
-    let records = context.parts.all();
+    let Explained { context, weighed, decision, all, .. } = explained;
     let scored =
-        context.bench.score(&weighed.sets[decision.best].posterior.model, &records).unwrap_or_default();
+        context.bench.score(&weighed.sets[decision.best].posterior.model, &all.records).unwrap_or_default();
     let noise = |record: usize| {
-        let known = context.data.records.iter().position(|r| *r == record);
-        let own = known.map(|k| {
-            let channels = &context.data.channels[k];
+        let own = all.records.iter().position(|r| *r == record).map(|k| {
+            let channels = &all.channels[k];
             channels.iter().map(|c| c.prior.deviation / c.size).sum::<f64>() / channels.len().max(1) as f64
         });
-        own.filter(|_| context.data.noise_is_known()).unwrap_or(1.0)
+        own.filter(|_| all.noise_is_known()).unwrap_or(1.0)
     };
     let size = |one: &crate::diagnose::measurements::weighted_dataset::Scored| {
         context.bench.normalised_error(std::slice::from_ref(one)) / noise(one.record)

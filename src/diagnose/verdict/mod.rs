@@ -1,6 +1,7 @@
 //! The answer: probabilities of sets of effects come in, a [`Diagnosis`] with its reasons goes out.
 //!
-//! `context` is what the answer is about, `decision` holds the one rule and the look at the test records, `explain` gives
+//! `context` is what the answer is about, `decision` holds the one rule (`shared`: of several sets
+//! together) and the look at the test records, `explain` gives
 //! reasons in sentences, `experiment` what to measure next, `confound` the experiments that separate effects.
 
 pub(super) mod confound;
@@ -8,6 +9,7 @@ mod context;
 mod decision;
 mod experiment;
 mod explain;
+mod shared;
 
 pub(super) use context::Context;
 pub(super) use decision::Decision;
@@ -32,8 +34,9 @@ pub(super) fn of(
     (baseline, measured, untried): (Stage, Vec<Noise>, Vec<Untried>),
 ) -> Diagnosis {
     let best = &weighed.sets[decision.best];
-    let sensitivities = evidence::around(context.data, &best.posterior, &weighed.candidates, &best.members)
-        .unwrap_or_default();
+    let (candidates, present) = (&weighed.candidates, &best.members);
+    let sensitivities = evidence::around(context.data, &best.posterior, candidates, present)
+        .unwrap_or_else(|_| Sensitivities::unknown(candidates, present));
     let decision = decision.limited(context, &sensitivities);
     let (steps, stages) = followed(context, weighed, decision.best, baseline);
     let tested = Tested::of(context, weighed, &decision, test);
@@ -49,6 +52,7 @@ pub(super) fn of(
         tested: &tested,
         errors: &errors,
         residual: &residual,
+        all,
     };
     let (effects, surrogates) = named(weighed, &decision);
     Diagnosis {
@@ -123,10 +127,17 @@ fn followed(context: &Context, weighed: &Weighed, best: usize, baseline: Stage) 
 /// What was not tried, and what was without being seen.
 fn untried_with(mut untried: Vec<Untried>, weighed: &Weighed, sensitivities: &Sensitivities) -> Vec<Untried> {
     let silent = weighed.silent.iter().map(|candidate| candidate.effect.id);
-    for effect in sensitivities.invisible.iter().copied().chain(silent) {
+    let invisible = sensitivities.invisible.iter().copied().chain(silent).map(|effect| {
+        let reason = "not identifiable in these data: it changes nothing that the model's own parameters or the unknown initial \
+                      states could not change";
+        (effect, reason)
+    });
+    let lost = weighed.unpredictable.iter().map(|candidate| {
+        let reason = "these records could not be predicted with it, in no size that was tried";
+        (candidate.effect.id, reason)
+    });
+    for (effect, reason) in invisible.chain(lost) {
         if untried.iter().all(|known| known.effect != effect) {
-            let reason = "not identifiable in these data: it changes nothing that the model's own parameters or the \
-                          unknown initial states could not change";
             untried.push(Untried { effect, reason: reason.to_owned() });
         }
     }
@@ -201,7 +212,6 @@ fn steps(context: &Context, weighed: &Weighed, chain: &[usize]) -> Vec<Step> {
             error: context.error(after),
             gain_z,
             gain_fraction,
-            dropped: false,
         }
     };
     chain.windows(2).map(step).collect()
@@ -236,7 +246,6 @@ fn round(context: &Context, weighed: &Weighed, size: usize, best: Option<usize>)
                 gain_fraction: 0.0,
                 parameters: Vec::new(),
                 evaluations: 0,
-                failure: None,
             });
         }
     }
@@ -267,7 +276,6 @@ fn fitted(context: &Context, weighed: &Weighed, set: &Set) -> Candidate {
         gain_fraction,
         parameters: set.posterior.brought(None),
         evaluations: set.posterior.simulations,
-        failure: None,
     }
 }
 

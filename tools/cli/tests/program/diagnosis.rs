@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 use std::fs;
+use std::path::Path;
+use std::process::Command;
 
 use stickslip::model::Model;
 use tempfile::TempDir;
@@ -91,6 +93,32 @@ fn a_missing_spring_is_found_added_and_the_error_falls() {
     assert!(after < 0.3 * before, "{before} → {after}");
     let text = fs::read_to_string(path.join("new.toml")).unwrap();
     assert!(text.contains("id = \"residual_stiffness\""), "{text}");
+}
+
+/// What `diagnose` tells of `folder` with so many threads, without what it took.
+fn told_with(folder: &Path, threads: &str) -> serde_json::Value {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    command.current_dir(folder).env("RAYON_NUM_THREADS", threads);
+    let output = command.args(["diagnose", "model.toml", "data", "--json", "d.json"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(10), "{}", error(&output));
+    let mut told = read_json(folder, "d.json");
+    told["seconds"].take();
+    for rate in ["refits_per_second", "seconds_per_refit"] {
+        told["cost"][rate].take();
+    }
+    told
+}
+
+#[test]
+fn a_diagnosis_is_the_same_to_the_last_bit_however_many_threads_work_on_it() {
+    let folder = example(4e5);
+    let one = told_with(folder.path(), "1");
+    for threads in ["2", "3"] {
+        let several = told_with(folder.path(), threads);
+        for (name, value) in one.as_object().unwrap() {
+            assert_eq!(value, &several[name], "{name} with {threads} threads");
+        }
+    }
 }
 
 #[test]

@@ -113,7 +113,6 @@ fn candidate(candidate: &Candidate) -> Value {
         "law": candidate.law,
         "error": candidate.error, "gain_z": candidate.gain_z, "gain_share": candidate.gain_fraction,
         "parameters": estimates(&candidate.parameters), "evaluations": candidate.evaluations,
-        "failure": candidate.failure,
     })
 }
 
@@ -153,7 +152,6 @@ fn group(group: &Group) -> Value {
 fn step(step: &Step) -> Value {
     json!({
         "added": step.added, "error": step.error, "gain_z": step.gain_z, "gain_share": step.gain_fraction,
-        "dropped": step.dropped,
     })
 }
 

@@ -100,14 +100,13 @@ fn steps(diagnosis: &Diagnosis) -> Markup {
                 table {
                     thead { tr {
                         th { "Step" } th.number { "Error, training records" } th.number { "Squared error removed, of that before" }
-                        th.number { "z" } th {}
+                        th.number { "z" }
                     } }
                     tbody { @for step in &diagnosis.steps { tr {
                         th scope="row" { "+ " (words::titles(&step.added, "and")) }
                         td.number { (format::error(step.error)) }
                         td.number { (percent(step.gain_fraction)) }
                         td.number { (format::fixed(step.gain_z, 2)) }
-                        td { @if step.dropped { "removed again: without it the error is not significantly larger" } }
                     } } }
                 }
             }
@@ -208,9 +207,7 @@ fn candidate_table(label: &str, candidates: &[Candidate], diagnosis: &Diagnosis)
                 } }
                 tbody { @for one in candidates { tr {
                     th scope="row" { (name(&words::candidate(one))) }
-                    @if let Some(reason) = &one.failure {
-                        td.failed colspan="4" { (name(reason)) }
-                    } @else if words::was_fitted(one) {
+                    @if words::was_fitted(one) {
                         td.number { (format::error(one.error)) }
                         td.number { (terminal::gain(one)) }
                         td.number { (format::fixed(one.gain_z, 2)) }

@@ -104,9 +104,7 @@ fn errors(out: &mut Text, diagnosis: &Diagnosis) {
     let floor = |value: Option<f64>| value.map_or_else(|| "unknown".to_owned(), format::error);
     let added: Vec<&str> = match diagnosis.verdict {
         Verdict::EffectFound => diagnosis.effects.clone(),
-        _ => {
-            diagnosis.steps.iter().filter(|step| !step.dropped).flat_map(|step| step.added.clone()).collect()
-        }
+        _ => diagnosis.steps.iter().flat_map(|step| step.added.clone()).collect(),
     };
     let mut left = vec![String::new(), "as given".to_owned(), "refitted".to_owned()];
     let mut cells = vec![
@@ -132,19 +130,13 @@ fn candidates(out: &mut Text, candidates: &[Candidate]) {
     let mut cells = vec![["error", "gain", "z", "parameter"].map(str::to_owned).to_vec()];
     for one in candidates.iter().take(CANDIDATES) {
         left.push(format::printable(&words::candidate(one)));
-        cells.push(match &one.failure {
-            Some(_) => vec!["failed".to_owned(), String::new(), String::new(), String::new()],
-            None if !words::was_fitted(one) => {
-                vec![String::new(), String::new(), String::new(), "promises too little".to_owned()]
-            }
-            None => vec![
+        cells.push(match one.parameters.first() {
+            None => vec![String::new(), String::new(), String::new(), "promises too little".to_owned()],
+            Some(first) => vec![
                 format::error(one.error),
                 gain(one),
                 format::fixed(one.gain_z, 2),
-                one.parameters
-                    .first()
-                    .map(|one| format!("{} {}", one.name, format::engineering(one.value, one.unit)))
-                    .unwrap_or_default(),
+                format!("{} {}", first.name, format::engineering(first.value, first.unit)),
             ],
         });
     }

@@ -46,7 +46,7 @@ pub fn candidate(candidate: &Candidate) -> String {
 
 /// Whether the candidate was fitted: one that promised too little was not, and its error is that of the model without it.
 pub fn was_fitted(candidate: &Candidate) -> bool {
-    candidate.failure.is_none() && !candidate.parameters.is_empty()
+    !candidate.parameters.is_empty()
 }
 
 /// The effects that the model has in the end.
@@ -128,11 +128,7 @@ fn decided(diagnosis: &Diagnosis) -> String {
             } else {
                 "The data suggest that the model lacks something that none of the effects that were tried explains."
             },
-            if diagnosis.steps.iter().any(|step| !step.dropped) {
-                format!(" {}", fall(diagnosis))
-            } else {
-                String::new()
-            },
+            if diagnosis.steps.is_empty() { String::new() } else { format!(" {}", fall(diagnosis)) },
             floor(diagnosis)
         ),
         Verdict::InsufficientData if diagnosis.candidates.is_empty() => {
