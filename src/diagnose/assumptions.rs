@@ -1,4 +1,5 @@
-//! What decides between explanations: each number is a statement about the world before the data are seen, and none is fitted to cases.
+//! What decides between explanations: each number is a statement about the world before the data are seen, and none is fitted to
+//! cases.
 
 /// What a diagnosis takes for granted. Another value of one of them is another question put to the same records.
 ///
