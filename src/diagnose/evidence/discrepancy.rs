@@ -280,8 +280,8 @@ mod tests {
     use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::Assumptions;
     use crate::diagnose::evidence::first;
+    use crate::diagnose::evidence::samples::slider;
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
-    use crate::model::Model;
 
     /// A contact moved to and fro about a place (m).
     fn moved(about: f64) -> Dataset {
@@ -298,11 +298,7 @@ mod tests {
 
     #[test]
     fn tables_are_of_the_motion_wherever_the_sensor_has_its_zero() {
-        let model = Model::parse(
-            "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
-             tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n",
-        )
-        .unwrap();
+        let model = slider("");
         let [centred, displaced] = [moved(0.0), moved(0.125)];
         let [centred, displaced] = [&centred, &displaced]
             .map(|dataset| WeightedDataset::new(&model, dataset, Assumptions::default(), None).unwrap());

@@ -124,7 +124,7 @@ mod tests {
     use super::*;
     use crate::data::{Channel, Dataset, Regime};
     use crate::diagnose::Assumptions;
-    use crate::diagnose::evidence::samples::{from_rest, oscillator};
+    use crate::diagnose::evidence::samples::{from_rest, oscillator, slider};
     use crate::diagnose::evidence::{again, first};
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
     use crate::fit::predict::predict;
@@ -202,11 +202,7 @@ mod tests {
 
     #[test]
     fn noise_that_the_residual_shows_widens_nothing_and_an_unknown_past_neither() {
-        let truth = Model::parse(
-            "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
-             tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n",
-        )
-        .unwrap();
+        let truth = slider("");
         let [fitted, widened] = mean_off(&truth, |random| loops(&truth, random));
         assert!((0.3..2.0).contains(&widened) && widened > 0.6 * fitted, "{fitted} {widened}");
     }

@@ -398,7 +398,7 @@ impl NoiseModel {
 mod tests {
     use super::*;
     use crate::data::{Channel, Dataset, Record, Regime};
-    use crate::model::Model;
+    use crate::diagnose::evidence::samples::slider;
 
     const COUNT: usize = 1000;
 
@@ -431,9 +431,7 @@ mod tests {
 
     #[test]
     fn of_white_noise_nothing_is_foretold_and_of_a_wave_all() {
-        let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
-                    tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n";
-        let model = Model::parse(text).unwrap();
+        let model = slider("");
         let values = |of: &mut dyn FnMut(f64) -> f64| (0..COUNT).map(|i| of(i as f64)).collect::<Vec<f64>>();
         let force = values(&mut |i| (0.1 * i).sin());
         let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };

@@ -358,6 +358,7 @@ mod tests {
     use crate::data::{Channel, Record, Regime};
     use crate::diagnose::candidates::tried;
     use crate::diagnose::evidence::posterior::{Start, glance};
+    use crate::diagnose::evidence::samples::slider;
     use crate::diagnose::evidence::{again, first};
     use crate::diagnose::measurements::magnitudes;
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
@@ -366,11 +367,7 @@ mod tests {
     /// A slider with a play of so much of its yield displacement, pulled to and fro within and beyond it, and the model
     /// without.
     fn measured(play: f64) -> (Model, Dataset) {
-        let base = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
-                    tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n";
-        let gap = 2.5e-5 * play;
-        let truth = format!("{base}[[effect]]\nid = \"backlash\"\nhalf_gap = {gap}\n");
-        let truth = Model::parse(&truth).unwrap();
+        let truth = slider(&format!("[[effect]]\nid = \"backlash\"\nhalf_gap = {}\n", 2.5e-5 * play));
         let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
         let mut noise = fastrand::Rng::with_seed(5);
         let mut record = |level: f64| {
@@ -387,7 +384,7 @@ mod tests {
             record
         };
         let records = [0.8, 2.0, 5.0].map(&mut record).to_vec();
-        (Model::parse(base).unwrap(), Dataset { title: None, records })
+        (slider(""), Dataset { title: None, records })
     }
 
     #[test]

@@ -40,6 +40,15 @@ pub(super) fn steady(truth: &Model) -> Dataset {
     Dataset { title: None, records: [1.0, 6.0, 15.0].map(&mut record).to_vec() }
 }
 
+/// A contact that is moved as measured: one slider, with what `effects` write.
+pub(super) fn slider(effects: &str) -> Model {
+    Model::parse(&format!(
+        "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+         tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n{effects}"
+    ))
+    .unwrap()
+}
+
 /// A mass on a spring and a contact.
 pub(super) fn oscillator(stiffness: f64, friction: f64) -> Model {
     Model::parse(&format!(

@@ -362,6 +362,7 @@ mod tests {
     use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::assumptions::Assumptions;
     use crate::diagnose::diagnosis::{Noise, NoiseSource};
+    use crate::diagnose::evidence::samples::slider;
     use crate::diagnose::evidence::{again, first};
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
 
@@ -394,8 +395,6 @@ mod tests {
 
     /// A contact that sticks, its force without noise.
     fn sticking() -> (Model, Dataset) {
-        let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
-                    tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n";
         let force: Vec<f64> = (0..200).map(|i| (0.1 * f64::from(i)).sin()).collect();
         let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
         let channels = vec![
@@ -404,7 +403,7 @@ mod tests {
             channel("force", "N", force),
         ];
         let record = Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels };
-        (Model::parse(text).unwrap(), Dataset { title: None, records: vec![record] })
+        (slider(""), Dataset { title: None, records: vec![record] })
     }
 
     #[test]

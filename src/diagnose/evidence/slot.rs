@@ -184,12 +184,11 @@ impl<'d> Slot<'d> {
 mod tests {
     use super::*;
     use crate::data::{Channel, Record, Regime};
+    use crate::diagnose::evidence::samples::slider;
 
     #[test]
     fn a_linearisation_that_fails_leaves_the_last_one() {
-        let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
-                    tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n";
-        let model = Model::parse(text).unwrap();
+        let model = slider("");
         let channel = |name: &str, unit, slope: f64| Channel {
             name: name.into(),
             unit,

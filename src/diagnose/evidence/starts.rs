@@ -98,6 +98,7 @@ mod tests {
     use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::Assumptions;
     use crate::diagnose::evidence::latent::Latent;
+    use crate::diagnose::evidence::samples::slider;
     use crate::diagnose::evidence::unknown::of_model;
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
     use crate::fit::SumOfSquares;
@@ -105,12 +106,9 @@ mod tests {
     use crate::model::Model;
 
     fn model(spread: f64) -> Model {
-        let text = format!(
-            "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
-             tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n\
-             [[effect]]\nid = \"micro_slip\"\nspread = {spread}\n[[effect]]\nid = \"backlash\"\nhalf_gap = 1e-5\n"
-        );
-        Model::parse(&text).unwrap()
+        slider(&format!(
+            "[[effect]]\nid = \"micro_slip\"\nspread = {spread}\n[[effect]]\nid = \"backlash\"\nhalf_gap = 1e-5\n"
+        ))
     }
 
     /// The second half of a motion from rest, whose frequency and centre differ from record to record.

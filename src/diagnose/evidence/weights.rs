@@ -68,15 +68,13 @@ mod tests {
     use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::assumptions::Assumptions;
     use crate::diagnose::evidence::Posterior;
+    use crate::diagnose::evidence::samples::slider;
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
-    use crate::model::Model;
 
     /// The weight of a set that is far likelier than none and moves the predictions of the first of `count` records by a
     /// `fraction` of their size.
     fn weight(count: usize, fraction: f64) -> f64 {
-        let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
-                    tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n";
-        let model = Model::parse(text).unwrap();
+        let model = slider("");
         let force: Vec<f64> = (0..200).map(|i| (0.1 * f64::from(i)).sin()).collect();
         let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
         let record = |k: usize| {

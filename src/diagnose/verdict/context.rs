@@ -50,6 +50,18 @@ impl Context<'_, '_> {
     }
 }
 
+/// What is alike with the sum of its weights, in the order in which it comes first.
+pub(super) fn summed<K: PartialEq>(of: impl Iterator<Item = (K, f64)>) -> Vec<(K, f64)> {
+    let mut found: Vec<(K, f64)> = Vec::new();
+    for (key, weight) in of {
+        match found.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, sum)) => *sum += weight,
+            None => found.push((key, weight)),
+        }
+    }
+    found
+}
+
 impl Weighed {
     /// Ids of the effects of a set, sorted.
     pub(super) fn ids(&self, set: usize) -> Vec<&'static str> {
@@ -59,7 +71,10 @@ impl Weighed {
     }
 
     /// Those of the sets without a discrepancy of which the effects, sorted, are `wanted`.
-    fn of_which<'w>(&'w self, wanted: impl Fn(&[&str]) -> bool + 'w) -> impl Iterator<Item = usize> + 'w {
+    pub(super) fn of_which<'w>(
+        &'w self,
+        wanted: impl Fn(&[&str]) -> bool + 'w,
+    ) -> impl Iterator<Item = usize> + 'w {
         (0..self.sets.len()).filter(move |k| self.sets[*k].discrepancy.is_none() && wanted(&self.ids(*k)))
     }
 
@@ -81,15 +96,7 @@ impl Weighed {
 
     /// What may be missing, each with its probability.
     pub(super) fn explanations(&self) -> Vec<Explanation> {
-        let mut found: Vec<Explanation> = Vec::new();
-        for k in self.of_which(|_| true) {
-            let ids = self.ids(k);
-            match found.iter_mut().find(|(known, _)| *known == ids) {
-                Some((_, sum)) => *sum += self.weights[k],
-                None => found.push((ids, self.weights[k])),
-            }
-        }
-        found
+        summed(self.of_which(|_| true).map(|k| (self.ids(k), self.weights[k])))
     }
 
     pub(super) fn form(&self, member: usize) -> &Form {

@@ -1,6 +1,7 @@
 //! The verdict in sentences.
 
 use super::confound;
+use super::context::summed;
 use super::decision::TakenBack;
 use super::{Context, Decision, Tested, Weighed};
 use crate::diagnose::diagnosis::{Agreement, Detectable, Errors, Evidence, Verdict};
@@ -97,14 +98,7 @@ fn placed(weighed: &Weighed, decision: &Decision, certain: f64) -> Option<String
         places
     };
     let ids = weighed.ids(decision.best);
-    let same = |k: &usize| weighed.sets[*k].discrepancy.is_none() && weighed.ids(*k) == ids;
-    let mut found: Vec<(Vec<String>, f64)> = Vec::new();
-    for k in (0..weighed.sets.len()).filter(same) {
-        match found.iter_mut().find(|(known, _)| *known == places(k)) {
-            Some((_, sum)) => *sum += weighed.weights[k],
-            None => found.push((places(k), weighed.weights[k])),
-        }
-    }
+    let mut found = summed(weighed.of_which(|of| of == ids).map(|k| (places(k), weighed.weights[k])));
     let all: f64 = found.iter().map(|(_, weight)| weight).sum();
     found.retain(|(_, weight)| *weight > LIKELY * all);
     found.sort_by(|a, b| b.1.total_cmp(&a.1));
