@@ -23,8 +23,10 @@ pub struct Scales {
     pub structure_mass: f64,
     /// Bending stiffness of the structure against a rotation at the clamp (N m/rad).
     pub rotational_stiffness: f64,
-    /// Typical frequency of the motion (Hz).
+    /// Typical frequency of the motion (Hz), of the record where it is highest.
     pub frequency: f64,
+    /// The same of the record where it is lowest (Hz).
+    pub lowest_frequency: f64,
     /// Time between samples (s).
     pub sample_step: f64,
     /// Standard deviation of the channel in question, in its SI unit.
@@ -52,6 +54,7 @@ impl Default for Scales {
             structure_mass: 1.0,
             rotational_stiffness: 1.0,
             frequency: 1.0,
+            lowest_frequency: 1.0,
             sample_step: 1.0,
             channel: 1.0,
             normal_displacement: 1.0,

@@ -7,7 +7,9 @@ use super::discrepancy::{self, Discrepancy};
 use super::looks::moved;
 use super::posterior::{LOOK, Posterior, Start, fit, screen};
 use super::probe::{Probed, SIZES};
-use super::search::{BEHIND, PARENTS, Search, Set, TWICE, best_of_each, evidence, keep, promising, rank};
+use super::search::{
+    BEHIND, PARENTS, Search, Set, TWICE, best_of_each, evidence, keep, of_size, promising, rank,
+};
 use super::unknown::Unknown;
 use super::weights;
 use crate::model::Model;
@@ -193,20 +195,28 @@ impl Search<'_, '_, '_> {
         Some(Set { members, discrepancy: None, posterior, screened: true })
     }
 
-    /// Adds the best set of a size in all forms that its members have and that may be the likeliest; where all was `adequate` before
-    /// its last member, without those that were far behind without that, if motions are solved for.
+    /// Adds the best set of a size, and the one that leaves the smallest residual, in all forms that their members have and that
+    /// may be the likeliest; where all was `adequate` before its last member, the best alone, and without those forms that were
+    /// far behind without that, if motions are solved for.
     pub(super) fn in_other_forms(&self, sets: &mut Vec<Set>, size: usize, adequate: bool) {
-        let fitted = sets.iter().filter(|set| set.members.len() == size && !set.screened);
-        let Some(best) = fitted.max_by(|a, b| evidence(a).total_cmp(&evidence(b))) else { return };
+        let fitted: Vec<usize> = of_size(sets, size).into_iter().filter(|k| !sets[*k].screened).collect();
+        let closest = self.closest(fitted.iter().map(|k| (*k, &sets[*k]))).filter(|_| !adequate);
+        let parents: Vec<Set> =
+            fitted.first().copied().into_iter().chain(closest).map(|k| sets[k].clone()).collect();
+        parents.iter().for_each(|parent| self.of_other_forms(sets, parent, adequate));
+    }
+
+    /// Adds `parent` in all forms that its members have and that may be the likeliest.
+    fn of_other_forms(&self, sets: &mut Vec<Set>, parent: &Set, adequate: bool) {
         let settled = adequate && self.looks.is_some();
-        let open = |place: usize, other: usize| !settled || !is_behind(sets, best, place, other);
+        let open = |place: usize, other: usize| !settled || !is_behind(sets, parent, place, other);
         let forms = |(place, member): (usize, &usize)| {
             let is_other = |m: &usize| m != member && self.are_forms(*m, *member) && open(place, *m);
             let others: Vec<usize> = (0..self.candidates.len()).filter(is_other).collect();
-            self.in_forms(&sets[0], best, place, &others)
+            self.in_forms(&sets[0], parent, place, &others)
         };
-        let mut found: Vec<Set> = best.members.iter().enumerate().flat_map(forms).collect();
-        if size == 1 && self.looks.is_some() {
+        let mut found: Vec<Set> = parent.members.iter().enumerate().flat_map(forms).collect();
+        if parent.members.len() == 1 && self.looks.is_some() {
             // One effect alone is what is likeliest: no form of it is passed over for a look that stuck.
             found.par_iter_mut().for_each(|set| self.finish(set));
             found.retain(|set| !set.screened);
@@ -292,10 +302,32 @@ mod tests {
     use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::assumptions::Assumptions;
     use crate::diagnose::candidates::tried;
+    use crate::diagnose::evidence::samples::slider;
     use crate::diagnose::evidence::{Measured, Question, again, first, weigh};
     use crate::diagnose::measurements::magnitudes;
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
     use crate::fit::predict::predict;
+
+    /// What `truth`, which yields at so much (m), would show if pulled to and fro at three levels, with noise of at most so
+    /// much (N).
+    fn pulled(truth: &Model, yielding: f64, noise: f64, random: &mut fastrand::Rng) -> Dataset {
+        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+        let mut record = |level: f64| {
+            let place = |i: i32| level * yielding * (f64::from(i) * 0.05).sin();
+            let channels = vec![
+                channel("time", "s", (0..300).map(|i| f64::from(i) * 1e-3).collect()),
+                channel("displacement", "m", (0..300).map(place).collect()),
+                channel("force", "N", vec![0.0; 300]),
+            ];
+            let name = level.to_string();
+            let mut record = Record { name, regime: Regime::FromRest, use_for: None, channels };
+            let force = &predict(truth, &record).unwrap()[0].values;
+            let noisy = |f: &f64| f + noise * (2.0 * random.f64() - 1.0);
+            record.channels[2].values = force.iter().map(noisy).collect();
+            record
+        };
+        Dataset { title: None, records: [0.7, 3.0, 8.0].map(&mut record).to_vec() }
+    }
 
     /// A slider of random numbers with two hidden effects, pulled to and fro at three levels.
     fn measured(random: &mut fastrand::Rng) -> (Model, Dataset) {
@@ -314,24 +346,35 @@ mod tests {
             between(0.0, 0.2),
         );
         let truth = Model::parse(&hidden).unwrap();
-        let yielding = 10.0 * friction / stiffness;
-        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
-        let mut record = |level: f64| {
-            let place = |i: i32| level * yielding * (f64::from(i) * 0.05).sin();
-            let channels = vec![
-                channel("time", "s", (0..300).map(|i| f64::from(i) * 1e-3).collect()),
-                channel("displacement", "m", (0..300).map(place).collect()),
-                channel("force", "N", vec![0.0; 300]),
-            ];
-            let name = level.to_string();
-            let mut record = Record { name, regime: Regime::FromRest, use_for: None, channels };
-            let force = &predict(&truth, &record).unwrap()[0].values;
-            record.channels[2].values = force.iter().map(|f| f + between(-0.05, 0.05) * friction).collect();
-            record
-        };
-        let records = [0.7, 3.0, 8.0].map(&mut record).to_vec();
+        let dataset = pulled(&truth, 10.0 * friction / stiffness, 0.05 * friction, random);
         let given = text(1.1 * stiffness, 0.9 * friction);
-        (Model::parse(&given).unwrap(), Dataset { title: None, records })
+        (Model::parse(&given).unwrap(), dataset)
+    }
+
+    #[test]
+    fn the_closest_set_is_tried_in_other_forms_too() {
+        let truth = slider("[[effect]]\nid = \"micro_slip\"\nspread = 0.8\n");
+        let dataset = pulled(&truth, 2.5e-5, 0.05, &mut fastrand::Rng::with_seed(6));
+        searched(&(slider(""), dataset), &["micro_slip", "asymmetry"], 1, |search, sets| {
+            let of = |id: &str, law: bool| {
+                let is = |k: &usize| {
+                    let candidate = &search.candidates[*k].candidate;
+                    candidate.effect.id == id && candidate.law.is_some() == law
+                };
+                (0..search.candidates.len()).filter(is).collect::<Vec<usize>>()
+            };
+            let (own, others) = (of("micro_slip", false), of("micro_slip", true));
+            let truth = sets.iter().find(|set| set.has_just(&own) && !set.screened).unwrap();
+            let mut other = search.in_forms(&sets[0], truth, 0, &others).swap_remove(0);
+            search.finish(&mut other);
+            // What is likeliest is far from the data, and what is near them has another law.
+            let mut likeliest = Set { members: of("asymmetry", false), ..sets[0].clone() };
+            likeliest.posterior.log_evidence = evidence(&other) + 1.0;
+            let mut sets = vec![sets[0].clone(), likeliest, other];
+            search.in_other_forms(&mut sets, 1, false);
+            let again = sets.iter().find(|set| set.has_just(&own)).expect("a form of the closest");
+            assert!((peak(again) - peak(truth)).abs() < STUCK);
+        });
     }
 
     fn stuck(sets: &[Set]) -> Vec<usize> {

@@ -18,26 +18,31 @@ pub(super) fn beam(modulus: f64, friction: f64, effects: &str) -> Model {
 
 /// A beam at three levels with a little noise, the support within what it yields at and beyond.
 pub(super) fn steady(truth: &Model) -> Dataset {
+    steady_at(truth, &[(1.0, 55.0), (6.0, 55.0), (15.0, 55.0)])
+}
+
+/// The same under forces (N) at frequencies (Hz).
+pub(super) fn steady_at(truth: &Model, levels: &[(f64, f64)]) -> Dataset {
     const SAMPLES: usize = 96;
     let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
     let mut noise = fastrand::Rng::with_seed(7);
-    let mut record = |amplitude: f64| {
-        let time: Vec<f64> = (0..SAMPLES).map(|k| k as f64 / (SAMPLES as f64 * 55.0)).collect();
-        let cosine = |t: &f64| amplitude * (std::f64::consts::TAU * 55.0 * t).cos();
+    let mut record = |(amplitude, frequency): &(f64, f64)| {
+        let time: Vec<f64> = (0..SAMPLES).map(|k| k as f64 / (SAMPLES as f64 * frequency)).collect();
+        let cosine = |t: &f64| amplitude * (std::f64::consts::TAU * frequency * t).cos();
         let force = time.iter().map(cosine).collect();
         let channels = vec![
             channel("time", "s", time),
             channel("excitation", "N", force),
             channel("acceleration:x=0.55", "m/s^2", (0..SAMPLES).map(|k| k as f64).collect()),
         ];
-        let name = amplitude.to_string();
+        let name = format!("{amplitude} N at {frequency} Hz");
         let mut record = Record { name, regime: Regime::Steady, use_for: None, channels };
         let motion = predict(truth, &record).unwrap()[0].values.clone();
         let size = 0.01 * motion.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         record.channels[2].values = motion.iter().map(|x| x + size * (noise.f64() - 0.5)).collect();
         record
     };
-    Dataset { title: None, records: [1.0, 6.0, 15.0].map(&mut record).to_vec() }
+    Dataset { title: None, records: levels.iter().map(&mut record).collect() }
 }
 
 /// A contact that is moved as measured: one slider, with what `effects` write.

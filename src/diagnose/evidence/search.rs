@@ -252,7 +252,7 @@ impl Search<'_, '_, '_> {
     }
 
     /// The one of `sets` that leaves the smallest residual, if that of the first is larger.
-    fn closest<'k>(&self, sets: impl Iterator<Item = (usize, &'k Set)>) -> Option<usize> {
+    pub(super) fn closest<'k>(&self, sets: impl Iterator<Item = (usize, &'k Set)>) -> Option<usize> {
         let left: Vec<(usize, f64)> = sets.map(|(k, set)| (k, self.left(set))).collect();
         let closest = left.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
         (closest.1 < CLOSER * left[0].1).then_some(closest.0)
@@ -304,7 +304,7 @@ impl Search<'_, '_, '_> {
 }
 
 /// Those of `sets` with so many members, the likeliest first.
-fn of_size(sets: &[Set], size: usize) -> Vec<usize> {
+pub(super) fn of_size(sets: &[Set], size: usize) -> Vec<usize> {
     let mut found: Vec<usize> = (0..sets.len()).filter(|k| sets[*k].members.len() == size).collect();
     found.sort_by(|a, b| evidence(&sets[*b]).total_cmp(&evidence(&sets[*a])));
     found

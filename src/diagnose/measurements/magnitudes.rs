@@ -22,10 +22,9 @@ pub(in crate::diagnose) fn of(model: &Model, dataset: &Dataset) -> Scales {
     }
     let yielding = scales.limit / scales.stiffness;
     let rate = |record: &Record| drive_rate(record);
-    largest(
-        fold(dataset, f64::max, |record| Some(rate(record)? / std::f64::consts::TAU)),
-        &mut scales.frequency,
-    );
+    let frequency = |record: &Record| Some(drive_rate(record)? / std::f64::consts::TAU);
+    largest(fold(dataset, f64::max, frequency), &mut scales.frequency);
+    largest(fold(dataset, f64::min, frequency), &mut scales.lowest_frequency);
     let extreme = |name: &str| {
         fold(dataset, f64::max, |record| {
             record.channels_of(name).map(|channel| amplitude(&channel.values)).reduce(f64::max)
