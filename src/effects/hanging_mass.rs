@@ -9,16 +9,24 @@ use crate::vocabulary as v;
 /// Ratio of frequencies to start from: what a resonator does is narrow, and a fit finds its frequency only from nearby.
 const STEP: f64 = 1.1;
 /// Steps beyond the drives' frequencies: the farther away, the less it matters how far.
-const BEYOND: [i32; 7] = [1, 2, 3, 4, 6, 9, 12];
+const BEYOND: [i32; 9] = [1, 2, 3, 4, 5, 6, 8, 10, 12];
 /// Steps between the drives' frequencies at most; wider ones where they are farther apart.
 const BETWEEN: f64 = 24.0;
 
-/// Frequencies to start from (Hz), between those of the drives and beyond.
+/// The drives' lowest and highest frequency (Hz).
+fn drives(scales: &Scales) -> (f64, f64) {
+    (scales.lowest_frequency.min(scales.frequency), scales.frequency)
+}
+
+/// Frequencies to start from (Hz), between those of the drives and beyond, the first the highest of the drives.
 fn frequencies(scales: &Scales) -> Vec<f64> {
-    let (low, high) = (scales.lowest_frequency.min(scales.frequency), scales.frequency);
-    let steps = ((high / low).ln() / STEP.ln()).ceil().min(BETWEEN);
-    let between = (0..=steps as i32).map(|k| high * (low / high).powf(f64::from(k) / steps.max(1.0)));
-    let beyond = BEYOND.iter().flat_map(|k| [high * STEP.powi(*k), low / STEP.powi(*k)]);
+    let (low, high) = drives(scales);
+    let apart = (high / low).ln();
+    let step = STEP.ln().max(apart / BETWEEN);
+    let steps = (apart / step).round();
+    let between = (0..=steps as i32).map(|k| high * (-f64::from(k) * step).exp());
+    let lowest = high * (-steps * step).exp();
+    let beyond = BEYOND.iter().flat_map(|k| [high * STEP.powi(*k), lowest / STEP.powi(*k)]);
     between.chain(beyond).collect()
 }
 
@@ -45,7 +53,8 @@ pub(super) static EFFECT: Effect = Effect {
             quantity: &v::HANGING_FREQUENCY,
             neutral: None,
             range: |scales| {
-                magnitudes(0.05 * scales.lowest_frequency, 20.0 * scales.frequency, &frequencies(scales))
+                let (low, high) = drives(scales);
+                magnitudes(0.05 * low, 20.0 * high, &frequencies(scales))
             },
         },
     ],
@@ -68,24 +77,39 @@ pub(super) static EFFECT: Effect = Effect {
 mod tests {
     use super::*;
 
+    /// In order.
+    fn of(lowest_frequency: f64, frequency: f64) -> Vec<f64> {
+        let mut of = frequencies(&Scales { frequency, lowest_frequency, ..Scales::default() });
+        of.sort_by(f64::total_cmp);
+        of
+    }
+
     #[test]
     fn frequencies_are_close_between_the_drives_and_near_them_and_reach_far_beyond() {
-        let of = |lowest_frequency: f64, frequency: f64| {
-            let mut of = frequencies(&Scales { frequency, lowest_frequency, ..Scales::default() });
-            of.sort_by(f64::total_cmp);
-            of
-        };
-        let one = of(50.0, 50.0);
-        assert_eq!((one.len(), one[7]), (15, 50.0));
-        let two = of(50.0, 160.0);
-        let far = STEP.powi(12);
-        assert!((two[0] * far / 50.0 - 1.0).abs() < 1e-12 && (two[27] / far / 160.0 - 1.0).abs() < 1e-12);
-        let (near, rounding) = (two[3]..=two[24], 1e-12);
-        let close = |pair: &[f64]| {
-            pair[1] / pair[0] <= STEP + rounding || !near.contains(&pair[0]) || !near.contains(&pair[1])
-        };
-        assert!(two.len() == 28 && two.windows(2).all(close));
+        let is_near = |ratio: f64, of: f64| (ratio / of - 1.0).abs() < 1e-12;
+        let (one, two) = (of(50.0, 50.0), of(50.0, 50.0 * STEP.powi(12)));
+        assert_eq!((one.len(), one[9], two.len()), (19, 50.0, 31));
+        for (found, low, high) in [(&one, 50.0, 50.0), (&two, 50.0, 50.0 * STEP.powi(12))] {
+            let near = &found[3..found.len() - 3];
+            assert!(near.windows(2).all(|pair| is_near(pair[1] / pair[0], STEP)));
+            assert!(
+                is_near(low / found[0], STEP.powi(12))
+                    && is_near(found[found.len() - 1] / high, STEP.powi(12))
+            );
+        }
+        // Drives that differ by rounding, or by little, are one.
+        assert_eq!(of(50.0, 50.0 * (1.0 + 1e-15)).len(), 19);
+        assert_eq!(of(49.9, 50.1).len(), 19);
         // However far apart, not too many.
-        assert_eq!(of(1.0, 1e4).len(), 39);
+        assert_eq!(of(1.0, 1e4).len(), 43);
+    }
+
+    #[test]
+    fn the_range_of_frequencies_holds_what_it_starts_from() {
+        for (lowest_frequency, frequency) in [(50.0, 160.0), (1.0, 0.02), (1.0, 50.0)] {
+            let scales = Scales { frequency, lowest_frequency, ..Scales::default() };
+            let range = (EFFECT.parameters[1].range)(&scales);
+            assert!(range.starts.iter().all(|start| range.lower < *start && *start < range.upper));
+        }
     }
 }

@@ -74,7 +74,7 @@ impl Search<'_, '_, '_> {
         let worth = probes.into_iter().filter(|probe| probe.gain > WORTH).collect();
         let once = promising(worth).into_iter().chain(once).collect();
         // A start that is far off promises much that is not there: each amount keeps its own best.
-        let found = [(&given, &once), (&given, &more), (&untouched, &more)].map(|(from, wanted)| {
+        let found = [(&given, &once), (&untouched, &more)].map(|(from, wanted): (_, &Vec<Probe>)| {
             let seen: Vec<Set> =
                 wanted.par_iter().filter_map(|probe| self.glanced(looks, from, None, probe)).collect();
             best_of_each(seen.into_iter())
@@ -82,7 +82,18 @@ impl Search<'_, '_, '_> {
         let mut found = found.concat();
         rank(&mut found);
         found.truncate(self.worth_a_look(&found));
-        found.into_par_iter().filter_map(|mut set| moved(looks, &mut set).then_some(set)).collect()
+        let mut found: Vec<Set> =
+            found.into_par_iter().filter_map(|mut set| moved(looks, &mut set).then_some(set)).collect();
+        rank(&mut found);
+        // Several starts may lead to one place.
+        let same = |a: &Set, b: &Set| a.members == b.members && (evidence(a) - evidence(b)).abs() < WORTH;
+        let mut apart: Vec<Set> = Vec::new();
+        for set in found {
+            if !apart.iter().any(|known| same(known, &set)) {
+                apart.push(set);
+            }
+        }
+        apart
     }
 
     /// How many of the ranked `found`, of one member each, come near the best, or are of the first effects: what ends far from
@@ -100,14 +111,10 @@ impl Search<'_, '_, '_> {
         found.iter().take_while(worth).count()
     }
 
-    /// A `multiple` of the largest amounts of those with a second number, at places of it that were looked at. What is narrow,
-    /// such as a resonator near the drive, promises nothing to a line where a fit has come to terms without it. More of it is
-    /// wider, by the root of the multiple as a resonator is, and so far apart are the places.
+    /// A `multiple` of the largest amounts of those with a second number, at every place of it that was looked at. What is narrow,
+    /// such as a resonator near the drive, promises nothing to a line where a fit has come to terms without it.
     fn everywhere(&self, probes: &[Probe], multiple: f64) -> Vec<Probe> {
-        let of = |probe: &&Probe| {
-            let places = self.candidates[probe.candidate].places(multiple.sqrt());
-            probe.is_largest() && places.contains(&&probe.y[1..])
-        };
+        let of = |probe: &&Probe| self.candidates[probe.candidate].has_places() && probe.is_largest();
         let times = |probe: &Probe| {
             let first = &self.candidates[probe.candidate].coordinates[0];
             let (low, high) = first.bounds();

@@ -195,20 +195,21 @@ impl Search<'_, '_, '_> {
         Some(Set { members, discrepancy: None, posterior, screened: true })
     }
 
-    /// Adds the best set of a size, and the one that leaves the smallest residual, in all forms that their members have and that
-    /// may be the likeliest; where all was `adequate` before its last member, the best alone, and without those forms that were
-    /// far behind without that, if motions are solved for.
-    pub(super) fn in_other_forms(&self, sets: &mut Vec<Set>, size: usize, adequate: bool) {
-        let fitted: Vec<usize> = of_size(sets, size).into_iter().filter(|k| !sets[*k].screened).collect();
-        let closest = self.closest(fitted.iter().map(|k| (*k, &sets[*k]))).filter(|_| !adequate);
-        let parents: Vec<Set> =
-            fitted.first().copied().into_iter().chain(closest).map(|k| sets[k].clone()).collect();
-        parents.iter().for_each(|parent| self.of_other_forms(sets, parent, adequate));
+    /// The sets of a size that are tried in other forms: the likeliest and, unless that `alone` is wanted, the one of other effects
+    /// that leaves the smallest residual.
+    pub(super) fn to_be_reformed(&self, sets: &[Set], size: usize, alone: bool) -> Vec<usize> {
+        let mut fitted: Vec<usize> = of_size(sets, size).into_iter().filter(|k| !sets[*k].screened).collect();
+        self.different(sets, &mut fitted);
+        let closest = if alone { None } else { self.closest(fitted.iter().map(|k| (*k, &sets[*k]))) };
+        fitted.truncate(1);
+        fitted.extend(closest);
+        fitted
     }
 
-    /// Adds `parent` in all forms that its members have and that may be the likeliest.
-    fn of_other_forms(&self, sets: &mut Vec<Set>, parent: &Set, adequate: bool) {
-        let settled = adequate && self.looks.is_some();
+    /// Adds set `k` in all forms that its members have and that may be the likeliest; where all was `adequate` before its last
+    /// member, without those that were far behind without that, if motions are solved for.
+    pub(super) fn in_other_forms(&self, sets: &mut Vec<Set>, k: usize, adequate: bool) {
+        let (parent, settled) = (&sets[k].clone(), adequate && self.looks.is_some());
         let open = |place: usize, other: usize| !settled || !is_behind(sets, parent, place, other);
         let forms = |(place, member): (usize, &usize)| {
             let is_other = |m: &usize| m != member && self.are_forms(*m, *member) && open(place, *m);
@@ -371,7 +372,10 @@ mod tests {
             let mut likeliest = Set { members: of("asymmetry", false), ..sets[0].clone() };
             likeliest.posterior.log_evidence = evidence(&other) + 1.0;
             let mut sets = vec![sets[0].clone(), likeliest, other];
-            search.in_other_forms(&mut sets, 1, false);
+            assert_eq!(search.to_be_reformed(&sets, 1, true), [1]);
+            for reformed in search.to_be_reformed(&sets, 1, false) {
+                search.in_other_forms(&mut sets, reformed, false);
+            }
             let again = sets.iter().find(|set| set.has_just(&own)).expect("a form of the closest");
             assert!((peak(again) - peak(truth)).abs() < STUCK);
         });

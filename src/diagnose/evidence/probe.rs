@@ -38,22 +38,9 @@ impl Prepared {
         self.others.iter().filter_map(|others| self.beside(model, &at(1.0, others))).collect()
     }
 
-    /// Places of a second number at which it is looked at, so many times as far apart as the nearest of them are, and the last;
-    /// none where there is but one.
-    pub fn places(&self, apart: f64) -> Vec<&[f64]> {
-        let mut places: Vec<&[f64]> = self.others.iter().map(Vec::as_slice).collect();
-        places.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let (Some(last), true) = (places.last().copied(), places.len() > 1) else { return Vec::new() };
-        let nearest = places.windows(2).map(|two| two[1][0] - two[0][0]).fold(f64::INFINITY, f64::min);
-        let mut kept: Vec<&[f64]> = Vec::new();
-        for place in places {
-            // Equal distances are equal but for rounding.
-            let far = kept.last().is_none_or(|kept| place[0] - kept[0] > (apart - 0.5) * nearest);
-            if far || place == last {
-                kept.push(place);
-            }
-        }
-        kept
+    /// Whether it is looked at in several places of a second number.
+    pub fn has_places(&self) -> bool {
+        self.others.len() > 1
     }
 
     /// The same where that is a legal model.
@@ -398,27 +385,6 @@ mod tests {
         };
         let records = [0.8, 2.0, 5.0].map(&mut record).to_vec();
         (slider(""), Dataset { title: None, records })
-    }
-
-    #[test]
-    fn places_are_so_far_apart_and_reach_to_the_last() {
-        let (model, dataset) = measured(0.1);
-        let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
-        let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
-        let base = first(&data, None, &model).and_then(|(first, _)| again(&data, &first)).unwrap();
-        let (tried, _) = tried(&model, &bench, Some(&["residual_stiffness".to_owned()]));
-        let scales = magnitudes::of(&model, &dataset);
-        let prepared = prepare(&data, &base, &tried, &scales, &dataset).unwrap().prepared.swap_remove(0);
-        let places = |of: &[f64], apart: f64| {
-            let others = of.iter().map(|place| vec![*place]).collect();
-            let prepared = Prepared { others, ..prepared.clone() };
-            prepared.places(apart).into_iter().map(|place| place[0]).collect::<Vec<f64>>()
-        };
-        let every = [0.0, 0.1, -0.1, 0.2, -0.2, 0.3, -0.3, 0.6];
-        assert_eq!(places(&every, 1.0), [-0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.6]);
-        assert_eq!(places(&every, 10.0_f64.sqrt()), [-0.3, 0.0, 0.3, 0.6]);
-        assert_eq!(places(&[1.0, 2.0, 3.0], 10.0_f64.sqrt()), [1.0, 3.0]);
-        assert_eq!(places(&[1.0], 1.0), []);
     }
 
     #[test]

@@ -83,7 +83,9 @@ impl Search<'_, '_, '_> {
             let (mut doubt, mut adequate) = self.judged(&sets[best]);
             if !adequate && size > 0 {
                 if self.in_exchange(&mut sets, best) {
-                    self.in_other_forms(&mut sets, size, adequate);
+                    for reformed in self.to_be_reformed(&sets, size, true) {
+                        self.in_other_forms(&mut sets, reformed, adequate);
+                    }
                     let best = of_size(&sets, size)[0];
                     (doubt, adequate) = self.judged(&sets[best]);
                 }
@@ -100,7 +102,9 @@ impl Search<'_, '_, '_> {
             let before = sets.iter().map(evidence).fold(f64::NEG_INFINITY, f64::max);
             let found = self.grown(&sets, &parents, adequate);
             sets.extend(found);
-            self.in_other_forms(&mut sets, size + 1, adequate);
+            for reformed in self.to_be_reformed(&sets, size + 1, adequate) {
+                self.in_other_forms(&mut sets, reformed, adequate);
+            }
             let grown = sets.iter().filter(|set| set.members.len() == size + 1);
             let best = grown.map(evidence).fold(f64::NEG_INFINITY, f64::max);
             // Two effects can explain together what neither explains alone, and half of what is missing may look less like
@@ -140,7 +144,7 @@ impl Search<'_, '_, '_> {
     }
 
     /// Leaves of those of `parents` that have the same effects in several forms the first.
-    fn different(&self, sets: &[Set], parents: &mut Vec<usize>) {
+    pub(super) fn different(&self, sets: &[Set], parents: &mut Vec<usize>) {
         let among = |a: usize, members: &[usize]| members.iter().any(|b| self.are_forms(a, *b));
         let same = |a: usize, b: usize| sets[a].members.iter().all(|a| among(*a, &sets[b].members));
         let mut kept: Vec<usize> = Vec::new();

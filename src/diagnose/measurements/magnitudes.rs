@@ -22,9 +22,14 @@ pub(in crate::diagnose) fn of(model: &Model, dataset: &Dataset) -> Scales {
     }
     let yielding = scales.limit / scales.stiffness;
     let rate = |record: &Record| drive_rate(record);
-    let frequency = |record: &Record| Some(drive_rate(record)? / std::f64::consts::TAU);
+    let frequency = |record: &Record| Some(rate(record)? / std::f64::consts::TAU).filter(|rate| *rate > 0.0);
+    let lowest = |record: &Record| match record.channel("frequency") {
+        Some(rows) => rows.values.iter().copied().reduce(f64::min),
+        None => frequency(record),
+    };
     largest(fold(dataset, f64::max, frequency), &mut scales.frequency);
-    largest(fold(dataset, f64::min, frequency), &mut scales.lowest_frequency);
+    scales.lowest_frequency = scales.frequency;
+    largest(fold(dataset, f64::min, lowest), &mut scales.lowest_frequency);
     let extreme = |name: &str| {
         fold(dataset, f64::max, |record| {
             record.channels_of(name).map(|channel| amplitude(&channel.values)).reduce(f64::max)
@@ -145,5 +150,37 @@ fn contact_motion(dataset: &Dataset, yielding: f64, scales: &mut Scales) {
     });
     if duration.is_finite() {
         scales.travel = 4.0 * scales.displacement * scales.frequency * duration;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::Regime;
+
+    #[test]
+    fn the_lowest_frequency_is_that_of_the_slowest_record() {
+        let text = "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"jenkins\"\n\
+                    tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\n";
+        let model = Model::parse(text).unwrap();
+        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+        let record = |frequency: f64| {
+            let time: Vec<f64> = (0..500).map(|k| 1e-3 * f64::from(k)).collect();
+            let motion = time.iter().map(|t| (std::f64::consts::TAU * frequency * t).sin()).collect();
+            let channels = vec![channel("time", "s", time), channel("displacement", "m", motion)];
+            Record { name: String::new(), regime: Regime::FromRest, use_for: None, channels }
+        };
+        let of = |frequencies: &[f64]| {
+            let records = frequencies.iter().map(|frequency| record(*frequency)).collect();
+            of(&model, &Dataset { title: None, records })
+        };
+        let scales = of(&[10.0, 6.0, 8.0]);
+        assert!(
+            (scales.frequency / 10.0 - 1.0).abs() < 0.01
+                && (scales.lowest_frequency / 6.0 - 1.0).abs() < 0.01
+        );
+        // What does not move has no frequency.
+        let still = of(&[10.0, 0.0]);
+        assert_eq!(still.lowest_frequency, still.frequency);
     }
 }
