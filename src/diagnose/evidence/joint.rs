@@ -52,6 +52,8 @@ pub(super) struct Joint<'a, 'd> {
     pub simulations: usize,
     /// Steps that a minimisation may take yet.
     left: usize,
+    /// Trials of a step.
+    pub trials: usize,
     pub failure: Option<String>,
 }
 
@@ -83,6 +85,7 @@ impl<'a, 'd> Joint<'a, 'd> {
             latent,
             simulations: 0,
             left: 0,
+            trials: Limits::default().trials,
             failure: None,
         })
     }
@@ -264,7 +267,8 @@ impl<'a, 'd> Joint<'a, 'd> {
         let mut renewed = false;
         loop {
             let before = self.left;
-            let limits = Limits { iterations: self.left, tolerance, ..Limits::default() };
+            let limits =
+                Limits { iterations: self.left, tolerance, trials: self.trials, ..Limits::default() };
             let end = minimise(self, y.clone(), &lower, &upper, limits);
             let end =
                 end.ok_or_else(|| self.failure.clone().unwrap_or_else(|| "the fit cannot start".to_owned()))?;

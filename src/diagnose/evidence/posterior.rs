@@ -110,6 +110,8 @@ pub(super) struct Extent {
 pub(super) const LOOK: Extent = Extent { steps: 6, tolerance: 1e-3 };
 /// A glance.
 pub(super) const GLANCE: Extent = Extent { steps: 2, ..LOOK };
+/// Trials of its steps: one that fails so often is no glance.
+const TRIALS: usize = 5;
 /// No step, only what is there.
 pub(super) const HERE: Extent = Extent { steps: 0, ..LOOK };
 /// A round of a whole fit.
@@ -152,6 +154,7 @@ pub(super) fn screened(
 pub(super) fn glance(data: &Measured, start: &Start, known: Option<&Tangents>) -> Result<Posterior, String> {
     let latent = Latent::default();
     let mut joint = Joint::new(data, start.model, start.unknowns, &latent)?;
+    joint.trials = TRIALS;
     let mut y = joint.settle(start.y)?;
     if let Some(known) = known {
         joint.extend(&y, known)?;

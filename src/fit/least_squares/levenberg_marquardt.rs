@@ -49,11 +49,13 @@ pub(crate) struct Limits {
     pub change: f64,
     /// Cost above which the end is of no use: a search that cannot come below it any more is given up.
     pub useful: f64,
+    /// Failed trials of a step before the point is taken for a minimum.
+    pub trials: usize,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { iterations: 40, tolerance: 1e-6, change: f64::INFINITY, useful: f64::INFINITY }
+        Self { iterations: 40, tolerance: 1e-6, change: f64::INFINITY, useful: f64::INFINITY, trials: TRIALS }
     }
 }
 
@@ -78,7 +80,7 @@ impl End {
 
 /// Times faster than in its last step that a search may go on falling before it counts as hopeless.
 const HOPE: f64 = 2.0;
-/// Failed trials of a step before the point is taken for a minimum.
+/// Trials of a step unless the caller says otherwise.
 const TRIALS: usize = 10;
 /// Damping at the start, as a fraction of the curvature's diagonal.
 const FIRST_DAMPING: f64 = 1e-3;
@@ -97,7 +99,7 @@ pub(crate) fn minimise(
     into_bounds(&mut y, lower, upper);
     let sums = problem.sums(&y).filter(|sums| sums.cost.is_finite())?;
     let exact = ROUNDING * sums.cost;
-    let mut search = Search { problem, lower, upper, y, sums, damping: FIRST_DAMPING };
+    let mut search = Search { problem, lower, upper, y, sums, damping: FIRST_DAMPING, trials: limits.trials };
     let mut ending = Some(Ending::StepLimit);
     for step in 1..=limits.iterations {
         if search.sums.cost <= exact {
@@ -144,6 +146,7 @@ struct Search<'a, P> {
     y: Vec<f64>,
     sums: Sums,
     damping: f64,
+    trials: usize,
 }
 
 impl<P: SumOfSquares> Search<'_, P> {
@@ -151,17 +154,21 @@ impl<P: SumOfSquares> Search<'_, P> {
     fn step(&mut self, tolerance: f64) -> Result<(f64, f64), Ending> {
         let mut trial = self.y.clone();
         let mut promise = None;
-        for _ in 0..TRIALS {
+        for _ in 0..self.trials {
             if self.problem.interrupted() {
                 return Err(Ending::Interrupted);
             }
             let step = step(&self.sums, &self.y, self.lower, self.upper, self.damping);
             let Some(step) = step else { break };
+            let last = trial.clone();
             for (trial, (y, step)) in trial.iter_mut().zip(self.y.iter().zip(&step)) {
                 *trial = y + step;
             }
             into_bounds(&mut trial, self.lower, self.upper);
-            let cost = self.problem.cost(&trial).filter(|cost| *cost < self.sums.cost);
+            // What the bounds make of a step may be what they made of the one before.
+            let known = trial == last;
+            let cost = if known { None } else { self.problem.cost(&trial) };
+            let cost = cost.filter(|cost| *cost < self.sums.cost);
             if let Some(cost) = cost {
                 self.damping = (0.2 * self.damping).max(LEAST_DAMPING);
                 let change = trial.iter().zip(&self.y).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -319,5 +326,35 @@ mod tests {
     fn at_a_bound_the_others_find_their_minimum() {
         let end = minimise(&mut Valley, vec![-1.2, 1.0], &[-5.0; 2], &[0.5, 5.0], limits()).unwrap();
         assert!((end.y[0] - 0.5).abs() < 1e-9 && (end.y[1] - 0.25).abs() < 1e-7, "{:?}", end.y);
+    }
+
+    /// A parabola whose slope is told wrong.
+    struct Misled {
+        tried: Vec<f64>,
+    }
+
+    impl SumOfSquares for Misled {
+        fn cost(&mut self, y: &[f64]) -> Option<f64> {
+            self.tried.push(y[0]);
+            Some(1.0 + y[0] * y[0])
+        }
+
+        fn sums(&mut self, y: &[f64]) -> Option<Sums> {
+            Some(Sums { cost: 1.0 + y[0] * y[0], gradient: vec![-1e3], curvature: vec![1.0] })
+        }
+    }
+
+    #[test]
+    fn what_a_bound_makes_of_several_steps_is_tried_once_and_no_more_often_than_told() {
+        let tried = |trials: usize| {
+            let mut misled = Misled { tried: Vec::new() };
+            let end =
+                minimise(&mut misled, vec![0.0], &[-5.0], &[5.0], Limits { trials, ..limits() }).unwrap();
+            assert_eq!(end.y, [0.0]);
+            misled.tried
+        };
+        assert_eq!(tried(5), [5.0]);
+        let all = tried(10);
+        assert!(all.windows(2).all(|pair| pair[1] < pair[0]) && all[0] == 5.0, "{all:?}");
     }
 }
