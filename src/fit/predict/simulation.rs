@@ -48,6 +48,11 @@ pub(crate) trait Simulation: Send {
         Ok(Vec::new())
     }
 
+    /// Whether it is worth its time to start where a record fits best: rough predictions need no settled start.
+    fn is_settled(&self) -> bool {
+        true
+    }
+
     /// Has predictions made in so many steps in time in place of one, where the steps are not controlled; of beams in a steady
     /// state in more harmonics, an error where the response in those is another. Whether derivatives are refined, too, is
     /// left open.

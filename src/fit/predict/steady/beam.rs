@@ -163,6 +163,10 @@ impl Simulation for SteadyBeam<'_> {
         Ok(vec![Parameter { start, lower, upper, scale: Scale::Linear }])
     }
 
+    fn is_settled(&self) -> bool {
+        matches!(self.solver, Solver::Balance(_))
+    }
+
     fn refine(&mut self, finer: usize) {
         let more = (finer > 1).then(|| self.in_more_harmonics(finer));
         self.finer = more.flatten().map(Box::new);
