@@ -60,8 +60,8 @@ impl Search<'_, '_, '_> {
     }
 
     /// Sets of one member, beside the model as it was given, in the place of `empty`, about the motions as they were measured; the
-    /// likeliest there. Where something is missing, the model given may be nearer to the truth than what fits best, refitted about
-    /// those motions or, where much is missing, as it is.
+    /// likeliest there. Where something is missing, the model given may be nearer to the truth than what fits best: refitted about
+    /// those motions or, where much is missing, as it is, since a fit without it may have gone far astray.
     pub(super) fn beside_given(&self, looks: &Measured, empty: &Set) -> Vec<Set> {
         let mut given = empty.clone();
         given.posterior.y.fill(0.0);
@@ -69,12 +69,12 @@ impl Search<'_, '_, '_> {
         if !moved(looks, &mut given) {
             return Vec::new();
         }
-        let probes = self.probed(looks, &given, &self.beside(&given), SIZES).probes;
-        let [once, more] = [1.0, MORE].map(|multiple| self.everywhere(&probes, multiple));
-        let worth = probes.into_iter().filter(|probe| probe.gain > WORTH).collect();
-        let once = promising(worth).into_iter().chain(once).collect();
-        // A start that is far off promises much that is not there: each amount keeps its own best.
-        let found = [(&given, &once), (&untouched, &more)].map(|(from, wanted): (_, &Vec<Probe>)| {
+        // A start that is far off promises much that is not there: each keeps its own best.
+        let found = [(&given, 1.0), (&untouched, MORE)].map(|(from, multiple)| {
+            let probes = self.probed(looks, from, &self.beside(from), SIZES).probes;
+            let everywhere = self.everywhere(&probes, multiple);
+            let worth = probes.into_iter().filter(|probe| probe.gain > WORTH).collect();
+            let wanted: Vec<Probe> = promising(worth).into_iter().chain(everywhere).collect();
             let seen: Vec<Set> =
                 wanted.par_iter().filter_map(|probe| self.glanced(looks, from, None, probe)).collect();
             best_of_each(seen.into_iter())
@@ -226,6 +226,7 @@ mod tests {
     use crate::diagnose::evidence::{again, first, probe};
     use crate::diagnose::measurements::magnitudes;
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+    use crate::model::Model;
 
     #[test]
     fn several_forms_of_one_effect_leave_room_for_the_looks_at_others() {
@@ -264,6 +265,37 @@ mod tests {
         assert_eq!(worth(0.5 * BEHIND), same.len() + others.len());
     }
 
+    /// The value of `number` of the one effect of `truth` when what is missing from `given` is sought beside it alone, at these
+    /// levels and frequencies, and what is left then.
+    fn found(truth: &Model, given: &Model, levels: &[(f64, f64)], number: &str) -> (f64, f64) {
+        let dataset = steady_at(truth, levels);
+        let bench = WeightedDataset::new(given, &dataset, Assumptions::default(), None).unwrap();
+        let about = bench.linearised_at_measurement().unwrap();
+        let records: Vec<usize> = (0..levels.len()).collect();
+        let [data, looks] = [&bench, &about].map(|bench| Measured::new(bench, &records, &[], &[]));
+        let base = first(&data, None, given).and_then(|(first, _)| again(&data, &first)).unwrap();
+        let effect = truth.effects[0].effect.id.to_owned();
+        let (tried, _) = tried(given, &bench, Some(&[effect]));
+        let scales = magnitudes::of(given, &dataset);
+        let candidates = probe::prepare(&data, &base, &tried, &scales, &dataset).unwrap().prepared;
+        let search = Search {
+            data: &data,
+            looks: Some(&looks),
+            beginnings: &[],
+            candidates: &candidates,
+            most: 1,
+            report: &|_| {},
+        };
+        let empty = Set { members: Vec::new(), discrepancy: None, posterior: base, screened: false };
+        let mut all = search.looked_at(search.beside_given(&looks, &empty));
+        rank(&mut all);
+        let mut best = all.swap_remove(0);
+        search.finish(&mut best);
+        let estimates = best.posterior.estimates();
+        let value = estimates.iter().find(|estimate| estimate.name.ends_with(number)).unwrap().value;
+        (value, data.left(&best.posterior.predictions))
+    }
+
     #[test]
     fn a_hanging_mass_of_many_times_the_size_that_its_prior_has_is_found() {
         for (hung, frequency) in [(60.0, 50.0), (8.0, 57.0), (9.0, 40.0)] {
@@ -271,32 +303,24 @@ mod tests {
                 "[[effect]]\nid = \"hanging_mass\"\nmass = {hung}\nhanging_frequency = {frequency}\n"
             );
             let (truth, given) = (beam(1.94e11, 0.4, &effect), beam(1.915e11, 0.34, ""));
-            let dataset = steady_at(&truth, &[(1.0, 47.0), (9.0, 52.0), (9.0, 50.0)]);
-            let bench = WeightedDataset::new(&given, &dataset, Assumptions::default(), None).unwrap();
-            let about = bench.linearised_at_measurement().unwrap();
-            let [data, looks] = [&bench, &about].map(|bench| Measured::new(bench, &[0, 1, 2], &[], &[]));
-            let base = first(&data, None, &given).and_then(|(first, _)| again(&data, &first)).unwrap();
-            let (tried, _) = tried(&given, &bench, Some(&["hanging_mass".to_owned()]));
-            let scales = magnitudes::of(&given, &dataset);
-            let candidates = probe::prepare(&data, &base, &tried, &scales, &dataset).unwrap().prepared;
-            let search = Search {
-                data: &data,
-                looks: Some(&looks),
-                beginnings: &[],
-                candidates: &candidates,
-                most: 1,
-                report: &|_| {},
-            };
-            let empty = Set { members: Vec::new(), discrepancy: None, posterior: base, screened: false };
-            let mut all = search.looked_at(search.beside_given(&looks, &empty));
-            rank(&mut all);
-            let mut best = all.swap_remove(0);
-            search.finish(&mut best);
-            let estimates = best.posterior.estimates();
-            let mass = estimates.iter().find(|estimate| estimate.name.ends_with(".mass")).unwrap();
+            let levels = [(1.0, 47.0), (9.0, 52.0), (9.0, 50.0)];
+            let (mass, left) = found(&truth, &given, &levels, ".mass");
             // The noise is uniform, of at most half a hundredth.
-            assert!(data.left(&best.posterior.predictions) < 0.01, "{hung} kg at {frequency} Hz");
-            assert!((mass.value / hung - 1.0).abs() < 0.1, "{mass:?}");
+            assert!(left < 0.01, "{hung} kg at {frequency} Hz");
+            assert!((mass / hung - 1.0).abs() < 0.1, "{mass} for {hung} kg");
+        }
+    }
+
+    #[test]
+    fn a_gap_is_found_where_what_fits_best_without_it_is_far_from_the_model_given() {
+        for gap in [4e-6, 6e-6] {
+            for (modulus, friction) in [(1.915e11, 0.34), (2.0e11, 0.34), (1.98e11, 0.5)] {
+                let effect = format!("[[effect]]\nid = \"backlash\"\nhalf_gap = {gap}\n");
+                let (truth, given) = (beam(1.94e11, 0.4, &effect), beam(modulus, friction, ""));
+                let levels = [(1.0, 47.0), (4.0, 52.0), (9.0, 50.0), (15.0, 55.0), (20.0, 49.0)];
+                let (half_gap, left) = found(&truth, &given, &levels, ".half_gap");
+                assert!(left < 0.01 && (half_gap / gap - 1.0).abs() < 0.01, "{half_gap} for {gap} m");
+            }
         }
     }
 }
