@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::latent::Latent;
 use super::measured::{Measured, NoiseModel, NoisePrior};
+use super::posterior::Extent;
 use super::slot::Slot;
 use super::unknown::{Coordinate, Unknown};
 use crate::fit::{Limits, SumOfSquares, Sums, minimise};
@@ -52,8 +53,6 @@ pub(super) struct Joint<'a, 'd> {
     pub simulations: usize,
     /// Steps that a minimisation may take yet.
     left: usize,
-    /// Trials of a step.
-    pub trials: usize,
     pub failure: Option<String>,
 }
 
@@ -85,7 +84,6 @@ impl<'a, 'd> Joint<'a, 'd> {
             latent,
             simulations: 0,
             left: 0,
-            trials: Limits::default().trials,
             failure: None,
         })
     }
@@ -261,14 +259,14 @@ impl<'a, 'd> Joint<'a, 'd> {
     }
 
     /// Minimises from `y`; the last linearised point is the end.
-    pub fn minimise(&mut self, y: &mut Vec<f64>, iterations: usize, tolerance: f64) -> Result<(), String> {
+    pub fn minimise(&mut self, y: &mut Vec<f64>, extent: Extent) -> Result<(), String> {
+        let Extent { steps, tolerance, trials } = extent;
         let (lower, upper) = self.bounds();
-        self.left = iterations;
+        self.left = steps;
         let mut renewed = false;
         loop {
             let before = self.left;
-            let limits =
-                Limits { iterations: self.left, tolerance, trials: self.trials, ..Limits::default() };
+            let limits = Limits { iterations: self.left, tolerance, trials, ..Limits::default() };
             let end = minimise(self, y.clone(), &lower, &upper, limits);
             let end =
                 end.ok_or_else(|| self.failure.clone().unwrap_or_else(|| "the fit cannot start".to_owned()))?;
@@ -385,7 +383,7 @@ impl Whitened {
 }
 
 /// All results in order, or the first failure of them: whichever came first in time would depend on the threads.
-fn first_failure<T: Send>(
+pub(super) fn first_failure<T: Send>(
     of: impl IndexedParallelIterator<Item = Result<T, String>>,
 ) -> Result<Vec<T>, String> {
     of.collect::<Vec<_>>().into_iter().collect()

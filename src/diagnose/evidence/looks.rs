@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::joint::Tangents;
 use super::measured::Measured;
 use super::posterior::{LOOK, Posterior, Start, glance, screen};
-use super::probe::{Probe, Probed, SIZES};
+use super::probe::{self, Probe, Probed, SIZES};
 use super::search::{
     BEHIND, CLOSER, Search, Set, TWICE, WORTH, best_of_each, evidence, is_adequate, promising, rank,
 };
@@ -61,25 +61,25 @@ impl Search<'_, '_, '_> {
 
     /// Sets of one member, beside the model as it was given, in the place of `empty`, about the motions as they were measured; the
     /// likeliest there. Where something is missing, the model given may be nearer to the truth than what fits best: refitted about
-    /// those motions or, where much is missing, as it is, since a fit without it may have gone far astray.
+    /// those motions or, where much is missing, as it is. There lines promise too little, or lead astray: whatever they say, each
+    /// amount is glanced at, and of what is narrow, such as a resonator near the drive, more at each of its places.
     pub(super) fn beside_given(&self, looks: &Measured, empty: &Set) -> Vec<Set> {
         let mut given = empty.clone();
         given.posterior.y.fill(0.0);
-        let untouched = given.clone();
-        if !moved(looks, &mut given) {
-            return Vec::new();
+        let which = self.beside(&given);
+        let (placed, others): (Vec<usize>, Vec<usize>) =
+            which.iter().partition(|candidate| self.candidates[**candidate].has_places());
+        let mut wanted = probe::amounts(self.candidates, &others, SIZES);
+        wanted.extend(probe::amounts(self.candidates, &placed, &[MORE]));
+        // A start that is far off promises much that is not there: each has its own best.
+        let mut found = self.best_glanced(looks, &given, &wanted);
+        if moved(looks, &mut given) {
+            let mut worth = self.probed(looks, &given, &which, SIZES).probes;
+            worth.retain(|probe| probe.gain > WORTH);
+            let mut wanted = promising(worth);
+            wanted.extend(probe::amounts(self.candidates, &placed, &[1.0]));
+            found.extend(self.best_glanced(looks, &given, &wanted));
         }
-        // A start that is far off promises much that is not there: each keeps its own best.
-        let found = [(&given, 1.0), (&untouched, MORE)].map(|(from, multiple)| {
-            let probes = self.probed(looks, from, &self.beside(from), SIZES).probes;
-            let everywhere = self.everywhere(&probes, multiple);
-            let worth = probes.into_iter().filter(|probe| probe.gain > WORTH).collect();
-            let wanted: Vec<Probe> = promising(worth).into_iter().chain(everywhere).collect();
-            let seen: Vec<Set> =
-                wanted.par_iter().filter_map(|probe| self.glanced(looks, from, None, probe)).collect();
-            best_of_each(seen.into_iter())
-        });
-        let mut found = found.concat();
         rank(&mut found);
         found.truncate(self.worth_a_look(&found));
         let mut found: Vec<Set> =
@@ -96,6 +96,13 @@ impl Search<'_, '_, '_> {
         apart
     }
 
+    /// The best of each candidate after a glance from `starts` beside `from`.
+    fn best_glanced(&self, looks: &Measured, from: &Set, starts: &[Probe]) -> Vec<Set> {
+        let glanced = |start| self.glanced(looks, from, None, start);
+        let seen: Vec<Set> = starts.par_iter().filter_map(glanced).collect();
+        best_of_each(seen.into_iter())
+    }
+
     /// How many of the ranked `found`, of one member each, come near the best, or are of the first effects: what ends far from
     /// where it would lead after a glance may have several places, or several others, before it.
     fn worth_a_look(&self, found: &[Set]) -> usize {
@@ -109,19 +116,6 @@ impl Search<'_, '_, '_> {
             evidence(set) > least || effects.len() <= TWICE
         };
         found.iter().take_while(worth).count()
-    }
-
-    /// A `multiple` of the largest amounts of those with a second number, at every place of it that was looked at. What is narrow,
-    /// such as a resonator near the drive, promises nothing to a line where a fit has come to terms without it.
-    fn everywhere(&self, probes: &[Probe], multiple: f64) -> Vec<Probe> {
-        let of = |probe: &&Probe| self.candidates[probe.candidate].has_places() && probe.is_largest();
-        let times = |probe: &Probe| {
-            let first = &self.candidates[probe.candidate].coordinates[0];
-            let (low, high) = first.bounds();
-            let there = probe.times(first, multiple);
-            (low < there.y[0] && there.y[0] < high).then_some(there)
-        };
-        probes.iter().filter(of).filter_map(times).collect()
     }
 
     /// `sets` looked at as the data are: what a line or a motion as it was measured promises can be compared with the same of
@@ -265,7 +259,7 @@ mod tests {
         assert_eq!(worth(0.5 * BEHIND), same.len() + others.len());
     }
 
-    /// The value of `number` of the one effect of `truth` when what is missing from `given` is sought beside it alone, at these
+    /// The value of `number` in what is found beside `given`, of all effects of one member, where `truth` was measured at these
     /// levels and frequencies, and what is left then.
     fn found(truth: &Model, given: &Model, levels: &[(f64, f64)], number: &str) -> (f64, f64) {
         let dataset = steady_at(truth, levels);
@@ -274,8 +268,7 @@ mod tests {
         let records: Vec<usize> = (0..levels.len()).collect();
         let [data, looks] = [&bench, &about].map(|bench| Measured::new(bench, &records, &[], &[]));
         let base = first(&data, None, given).and_then(|(first, _)| again(&data, &first)).unwrap();
-        let effect = truth.effects[0].effect.id.to_owned();
-        let (tried, _) = tried(given, &bench, Some(&[effect]));
+        let (tried, _) = tried(given, &bench, None);
         let scales = magnitudes::of(given, &dataset);
         let candidates = probe::prepare(&data, &base, &tried, &scales, &dataset).unwrap().prepared;
         let search = Search {
@@ -292,8 +285,8 @@ mod tests {
         let mut best = all.swap_remove(0);
         search.finish(&mut best);
         let estimates = best.posterior.estimates();
-        let value = estimates.iter().find(|estimate| estimate.name.ends_with(number)).unwrap().value;
-        (value, data.left(&best.posterior.predictions))
+        let value = estimates.iter().find(|estimate| estimate.name.ends_with(number));
+        (value.map_or(f64::NAN, |found| found.value), data.left(&best.posterior.predictions))
     }
 
     #[test]

@@ -104,18 +104,18 @@ pub(super) struct Extent {
     pub(super) steps: usize,
     /// Relative fall of the sum of squares that ends them.
     pub(super) tolerance: f64,
+    /// Trials of a step.
+    pub(super) trials: usize,
 }
 
 /// A first look.
-pub(super) const LOOK: Extent = Extent { steps: 6, tolerance: 1e-3 };
-/// A glance.
-pub(super) const GLANCE: Extent = Extent { steps: 2, ..LOOK };
-/// Trials of its steps: one that fails so often is no glance.
-const TRIALS: usize = 5;
+pub(super) const LOOK: Extent = Extent { steps: 6, tolerance: 1e-3, trials: 10 };
+/// A glance; a step that fails so often would be a short one.
+pub(super) const GLANCE: Extent = Extent { steps: 2, trials: 5, ..LOOK };
 /// No step, only what is there.
 pub(super) const HERE: Extent = Extent { steps: 0, ..LOOK };
 /// A round of a whole fit.
-const ROUND: Extent = Extent { steps: 12, tolerance: 1e-5 };
+const ROUND: Extent = Extent { steps: 12, tolerance: 1e-5, ..LOOK };
 /// Rounds with coloured noise at most; a change of the log evidence that is none.
 const ROUNDS: (usize, f64) = (5, 0.1);
 
@@ -154,8 +154,7 @@ pub(super) fn screened(
 pub(super) fn glance(data: &Measured, start: &Start, known: Option<&Tangents>) -> Result<Posterior, String> {
     let latent = Latent::default();
     let mut joint = Joint::new(data, start.model, start.unknowns, &latent)?;
-    joint.trials = TRIALS;
-    let mut y = joint.settle(start.y)?;
+    let mut y = joint.settle(start.y, true)?;
     if let Some(known) = known {
         joint.extend(&y, known)?;
     }
@@ -212,10 +211,10 @@ pub(super) fn fit(
 fn coloured_round(joint: &mut Joint, unknowns: &[Unknown], y: &mut Vec<f64>) -> Result<Posterior, String> {
     let data = joint.data;
     joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
-    joint.minimise(y, ROUND.steps, ROUND.tolerance)?;
+    joint.minimise(y, ROUND)?;
     joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
     if joint.rescan(y)? {
-        joint.minimise(y, ROUND.steps, ROUND.tolerance)?;
+        joint.minimise(y, ROUND)?;
         joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
     }
     posterior(joint, unknowns, y, false)
@@ -223,22 +222,18 @@ fn coloured_round(joint: &mut Joint, unknowns: &[Unknown], y: &mut Vec<f64>) -> 
 
 /// From the `shared` unknowns with starts of the records scanned anew, under white noise of the size of the residuals.
 pub(super) fn white_round(joint: &mut Joint, shared: &[f64], extent: Extent) -> Result<Vec<f64>, String> {
-    let mut y = joint.settle(shared)?;
+    let mut y = joint.settle(shared, extent.steps > 0)?;
     white_steps(joint, &mut y, extent)?;
     Ok(y)
 }
 
 /// The same from the point `y`.
-fn white_steps(
-    joint: &mut Joint,
-    y: &mut Vec<f64>,
-    Extent { steps, tolerance }: Extent,
-) -> Result<(), String> {
+fn white_steps(joint: &mut Joint, y: &mut Vec<f64>, extent: Extent) -> Result<(), String> {
     let data = joint.data;
-    joint.minimise(y, 0, tolerance)?;
+    joint.minimise(y, HERE)?;
     joint.noise.renew(data, &joint.priors, &joint.residuals(), false);
-    if steps > 0 {
-        joint.minimise(y, steps, tolerance)?;
+    if extent.steps > 0 {
+        joint.minimise(y, extent)?;
         joint.noise.renew(data, &joint.priors, &joint.residuals(), false);
     }
     Ok(())

@@ -219,16 +219,6 @@ const AGAIN: usize = 4;
 const STEP: (f64, f64) = (1e-2, 1e2);
 
 impl Probe {
-    /// Whether it is of the largest amount that is looked at.
-    pub fn is_largest(&self) -> bool {
-        self.y[0].abs() == SIZES[1]
-    }
-
-    /// A `multiple` of it to start from, whatever a line through it says; its `first` coordinate has this prior.
-    pub fn times(&self, first: &Coordinate, multiple: f64) -> Self {
-        Self { y: at(first.times(self.y[0], multiple), &self.y[1..]), multiple: 1.0, ..self.clone() }
-    }
-
     /// Its coordinates, the `first` where the line is best, as far as lines can be trusted.
     pub fn start(&self, first: &Coordinate) -> Vec<f64> {
         at(first.times(self.y[0], self.multiple.clamp(NEAR.0, NEAR.1)), &self.y[1..])
@@ -268,7 +258,7 @@ pub(super) fn around(
     let of =
         |candidate: usize| places(&candidates[candidate], sizes).into_iter().map(move |y| (candidate, y));
     let first: Vec<(usize, Vec<f64>)> = which.iter().flat_map(|candidate| of(*candidate)).collect();
-    let (mut found, mut unreached) = (lines(&mut joint, &y, parent, candidates, first)?, Vec::new());
+    let (mut found, mut unreached) = (lines(&mut joint, &y, candidates, first)?, Vec::new());
     for _ in 0..AGAIN {
         let (mut far, near): (Vec<Probe>, Vec<Probe>) = found.into_iter().partition(is_far);
         // Several sizes of one may lead to the same place.
@@ -286,7 +276,7 @@ pub(super) fn around(
             break;
         }
         let places: Vec<_> = far.iter().map(|p| (p.candidate, at(best(p), &p.y[1..]))).collect();
-        let again = lines(&mut joint, &y, parent, candidates, places)?;
+        let again = lines(&mut joint, &y, candidates, places)?;
         // Where nothing can be predicted there, what was seen from afar is all there is.
         let reached =
             |p: &Probe| again.iter().any(|a| a.candidate == p.candidate && a.y == at(best(p), &p.y[1..]));
@@ -300,11 +290,10 @@ pub(super) fn around(
     Ok(Probed { probes: found, tangents: joint.tangents(&y) })
 }
 
-/// What lines through `places`, each of a candidate, promise about `parent`, to which `joint` is settled at `y`.
+/// What lines through `places`, each of a candidate, promise about `y`, at which `joint` is linearised.
 fn lines(
     joint: &mut Joint,
     y: &[f64],
-    parent: &Posterior,
     candidates: &[Prepared],
     places: Vec<(usize, Vec<f64>)>,
 ) -> Result<Vec<Probe>, String> {
@@ -314,8 +303,9 @@ fn lines(
     let factor = DMatrix::from_row_slice(n, n, &sums.curvature).cholesky().ok_or("no curvature")?;
     let gradient = factor.solve(&DVector::from_column_slice(&sums.gradient));
     let whitened = joint.whitened();
+    let here = joint.model(y)?;
     let beside = |(candidate, y): (usize, Vec<f64>)| {
-        let model = candidates[candidate].beside(&parent.model, &y)?;
+        let model = candidates[candidate].beside(&here, &y)?;
         Some((Probe { candidate, y, gain: 0.0, evidence: 0.0, distance: 0.0, multiple: 1.0 }, model))
     };
     let (probes, models): (Vec<Probe>, Vec<Model>) = places.into_iter().filter_map(beside).unzip();
@@ -350,6 +340,18 @@ fn places(prepared: &Prepared, sizes: &[f64]) -> Vec<Vec<f64>> {
     let signs = [1.0, -1.0].into_iter().flat_map(|sign| sizes.iter().map(move |size| sign * size));
     let firsts: Vec<f64> = signs.filter(|y| (low..=high).contains(y)).collect();
     firsts.iter().flat_map(|first| prepared.others.iter().map(|others| at(*first, others))).collect()
+}
+
+/// Those of `candidates` in `which` at `multiples` of a prior's deviation in both directions, in every place where they are looked
+/// at: to start from, whatever lines say.
+pub(super) fn amounts(candidates: &[Prepared], which: &[usize], multiples: &[f64]) -> Vec<Probe> {
+    let of = |&candidate: &usize| {
+        let first = &candidates[candidate].coordinates[0];
+        let sizes: Vec<f64> = multiples.iter().map(|multiple| first.times(1.0, *multiple)).collect();
+        let at = move |y| Probe { candidate, y, gain: 0.0, evidence: 0.0, distance: 0.0, multiple: 1.0 };
+        places(&candidates[candidate], &sizes).into_iter().map(at)
+    };
+    which.iter().flat_map(of).collect()
 }
 
 #[cfg(test)]
@@ -429,6 +431,29 @@ mod tests {
             let gap = candidates[0].coordinates[0].value(best.y[0] * best.multiple);
             assert!(best.multiple > 0.3, "{play}: {best:?}");
             assert!((gap / (2.5e-5 * play)).ln().abs() < 1.0, "{play}: {gap} {best:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_looked_at_is_beside_the_numbers_that_are_looked_from() {
+        let (mut model, dataset) = measured(0.1);
+        model.set_all(&[("contact.friction_coefficient", 0.4)]).unwrap();
+        let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
+        let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
+        let base = first(&data, None, &model).and_then(|(first, _)| again(&data, &first)).unwrap();
+        let (tried, _) = tried(&model, &bench, Some(&["backlash".to_owned()]));
+        let scales = magnitudes::of(&model, &dataset);
+        let candidates = prepare(&data, &base, &tried, &scales, &dataset).unwrap().prepared;
+        let given = vec![0.0; base.y.len()];
+        assert!(base.y.iter().any(|y| y.abs() > 0.3), "{:?}", base.y);
+        // As it was given, whatever it was fitted to before.
+        let [refitted, untouched] = [&base.model, &model].map(|model| {
+            let parent = Posterior { model: model.clone(), y: given.clone(), ..base.clone() };
+            let probes = around(&data, &parent, &candidates, &[0], SIZES).unwrap().probes;
+            probes.into_iter().map(|probe| (probe.y, probe.gain)).collect::<Vec<_>>()
+        });
+        for ((y, gain), (other, as_much)) in refitted.iter().zip(&untouched) {
+            assert!(y == other && (gain - as_much).abs() < 1e-6 * as_much, "{y:?} {gain} {as_much}");
         }
     }
 }

@@ -71,7 +71,7 @@ pub(super) fn refined(data: &Measured, posterior: &Posterior) -> Result<Posterio
             (best, least) = (y, there.cost);
         }
         y = there.moved;
-        if there.deviations < NEGLIGIBLE || joint.minimise(&mut y, HERE.steps, HERE.tolerance).is_err() {
+        if there.deviations < NEGLIGIBLE || joint.minimise(&mut y, HERE).is_err() {
             break;
         }
     }

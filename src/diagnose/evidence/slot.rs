@@ -36,13 +36,24 @@ impl<'d> Slot<'d> {
         }
     }
 
-    /// Its own unknowns, and where they start: what fits `measured` best under `model`, of all that a scan finds.
-    pub fn scan(&mut self, model: &Model, measured: &[f64], weights: &[f64]) -> Result<(), String> {
+    /// Its own unknowns, and where they start: what fits `measured` best under `model`, of all that a scan finds. Of rough
+    /// predictions that are `moved` on, what the scan begins with: the steps move it with the rest.
+    pub fn scan(
+        &mut self,
+        model: &Model,
+        measured: &[f64],
+        weights: &[f64],
+        moved: bool,
+    ) -> Result<(), String> {
         let parameters = self.shown.nuisances(model)?;
         let between = |p: &crate::fit::Parameter| Coordinate::between(p.lower, p.upper);
         self.own = parameters.iter().map(between).collect();
         if !parameters.is_empty() {
-            let settled = self.shown.settle_from(model, &parameters, measured, weights, None);
+            let settled = if moved && self.shown.is_rough() {
+                parameters.iter().map(|parameter| parameter.start).collect()
+            } else {
+                self.shown.settle_from(model, &parameters, measured, weights, None)
+            };
             self.own_start = self.own.iter().zip(&settled).map(|(c, v)| c.of(*v)).collect();
         }
         Ok(())

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::joint::{Joint, dot, minus};
+use super::joint::{Joint, dot, first_failure, minus};
 use super::measured::{Measured, NoiseModel};
 use super::slot::Slot;
 
@@ -10,14 +10,15 @@ use super::slot::Slot;
 const LOUD: f64 = 1.05;
 
 impl Joint<'_, '_> {
-    /// Finds the records' own starts by their scans at the `shared` unknowns; gives the whole point.
-    pub fn settle(&mut self, shared: &[f64]) -> Result<Vec<f64>, String> {
+    /// Finds the records' own starts by their scans at the `shared` unknowns, for a point that is `moved` on or not; gives the
+    /// whole point.
+    pub fn settle(&mut self, shared: &[f64], moved: bool) -> Result<Vec<f64>, String> {
         let model = self.model(shared)?;
         let (data, noise) = (self.data, &self.noise);
-        self.slots
-            .par_iter_mut()
-            .enumerate()
-            .try_for_each(|(k, slot)| slot.scan(&model, &data.lane(k).measured, &weights(data, noise, k)))?;
+        let scan = |(k, slot): (usize, &mut Slot)| {
+            slot.scan(&model, &data.lane(k).measured, &weights(data, noise, k), moved)
+        };
+        first_failure(self.slots.par_iter_mut().enumerate().map(scan))?;
         let mut offset = self.shared();
         let mut y = shared.to_vec();
         for slot in &mut self.slots {
@@ -52,7 +53,7 @@ impl Joint<'_, '_> {
                 }
                 // Of a simulation of its own: what its numbers mean belongs to the hypothesis that it chose.
                 let mut other = Slot::new(lane.shown(base)?);
-                other.scan(&model, &lane.measured, &weights)?;
+                other.scan(&model, &lane.measured, &weights, false)?;
                 other.offset = slot.offset;
                 let cost = |slot: &mut Slot, values: &[f64]| -> Result<f64, String> {
                     slot.shown.predict(&model, values, &mut slot.predictions)?;
@@ -98,6 +99,7 @@ mod tests {
     use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::Assumptions;
     use crate::diagnose::evidence::latent::Latent;
+    use crate::diagnose::evidence::posterior::HERE;
     use crate::diagnose::evidence::samples::slider;
     use crate::diagnose::evidence::unknown::of_model;
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
@@ -149,10 +151,10 @@ mod tests {
             [[1.0, 0.5, 0.0, -1.0], [-1.0, 0.4, 1.0, 0.5], [0.5, -0.5, 1.5, -0.5], [-0.5, 0.0, -1.0, 1.0]]
         {
             let mut joint = Joint::new(&data, &base, &unknowns, &latent).unwrap();
-            let mut y = joint.settle(&y[..unknowns.len()]).unwrap();
+            let mut y = joint.settle(&y[..unknowns.len()], false).unwrap();
             // Elsewhere than where the starts were found.
             y[..unknowns.len()].iter_mut().for_each(|y| *y *= -0.5);
-            joint.minimise(&mut y, 0, 1e-3).unwrap();
+            joint.minimise(&mut y, HERE).unwrap();
             let before = joint.cost(&y).unwrap();
             let there = y.clone();
             found += usize::from(joint.rescan(&mut y).unwrap());

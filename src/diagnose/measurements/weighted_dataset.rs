@@ -149,10 +149,11 @@ impl<'d> WeightedDataset<'d> {
         let lane = &self.lanes[record];
         let mut shown = lane.shown_as(model, lane.record, seed)?;
         let nuisances = shown.nuisances(model)?;
-        let settled = if nuisances.is_empty() {
-            Vec::new()
-        } else {
-            shown.settle_from(model, &nuisances, &lane.measured, &lane.scales, None)
+        let settled = match seed {
+            // A rough look needs no settled start.
+            Some(Seed::LinearisedAtMeasurement) => nuisances.iter().map(|nuisance| nuisance.start).collect(),
+            _ if nuisances.is_empty() => Vec::new(),
+            _ => shown.settle_from(model, &nuisances, &lane.measured, &lane.scales, None),
         };
         let mut predictions = Vec::new();
         shown.predict(model, &settled, &mut predictions)?;

@@ -49,13 +49,19 @@ pub(crate) struct Limits {
     pub change: f64,
     /// Cost above which the end is of no use: a search that cannot come below it any more is given up.
     pub useful: f64,
-    /// Failed trials of a step before the point is taken for a minimum.
+    /// Trials of a step, at least one, before it is given up.
     pub trials: usize,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { iterations: 40, tolerance: 1e-6, change: f64::INFINITY, useful: f64::INFINITY, trials: TRIALS }
+        Self {
+            iterations: 40,
+            tolerance: 1e-6,
+            change: f64::INFINITY,
+            useful: f64::INFINITY,
+            trials: DAMPINGS,
+        }
     }
 }
 
@@ -80,8 +86,8 @@ impl End {
 
 /// Times faster than in its last step that a search may go on falling before it counts as hopeless.
 const HOPE: f64 = 2.0;
-/// Trials of a step unless the caller says otherwise.
-const TRIALS: usize = 10;
+/// Dampings of a step before it is given up.
+const DAMPINGS: usize = 10;
 /// Damping at the start, as a fraction of the curvature's diagonal.
 const FIRST_DAMPING: f64 = 1e-3;
 const LEAST_DAMPING: f64 = 1e-9;
@@ -99,7 +105,7 @@ pub(crate) fn minimise(
     into_bounds(&mut y, lower, upper);
     let sums = problem.sums(&y).filter(|sums| sums.cost.is_finite())?;
     let exact = ROUNDING * sums.cost;
-    let mut search = Search { problem, lower, upper, y, sums, damping: FIRST_DAMPING, trials: limits.trials };
+    let mut search = Search { problem, lower, upper, y, sums, damping: FIRST_DAMPING };
     let mut ending = Some(Ending::StepLimit);
     for step in 1..=limits.iterations {
         if search.sums.cost <= exact {
@@ -107,7 +113,7 @@ pub(crate) fn minimise(
             break;
         }
         let before = search.sums.cost;
-        let (cost, change) = match search.step(limits.tolerance) {
+        let (cost, change) = match search.step(limits) {
             Ok(accepted) => accepted,
             Err(why) => {
                 ending = Some(why);
@@ -146,30 +152,31 @@ struct Search<'a, P> {
     y: Vec<f64>,
     sums: Sums,
     damping: f64,
-    trials: usize,
 }
 
 impl<P: SumOfSquares> Search<'_, P> {
     /// Moves to a lower point; its cost and the largest change of a coordinate, or why there is none.
-    fn step(&mut self, tolerance: f64) -> Result<(f64, f64), Ending> {
+    fn step(&mut self, Limits { tolerance, trials, .. }: Limits) -> Result<(f64, f64), Ending> {
         let mut trial = self.y.clone();
         let mut promise = None;
-        for _ in 0..self.trials {
+        let mut left = trials;
+        for _ in 0..DAMPINGS {
             if self.problem.interrupted() {
                 return Err(Ending::Interrupted);
             }
             let step = step(&self.sums, &self.y, self.lower, self.upper, self.damping);
             let Some(step) = step else { break };
-            let last = trial.clone();
-            for (trial, (y, step)) in trial.iter_mut().zip(self.y.iter().zip(&step)) {
-                *trial = y + step;
-            }
+            let last =
+                std::mem::replace(&mut trial, self.y.iter().zip(&step).map(|(y, step)| y + step).collect());
             into_bounds(&mut trial, self.lower, self.upper);
             // What the bounds make of a step may be what they made of the one before.
-            let known = trial == last;
-            let cost = if known { None } else { self.problem.cost(&trial) };
-            let cost = cost.filter(|cost| *cost < self.sums.cost);
-            if let Some(cost) = cost {
+            let cost = if trial == last {
+                None
+            } else {
+                left -= 1;
+                self.problem.cost(&trial)
+            };
+            if let Some(cost) = cost.filter(|cost| *cost < self.sums.cost) {
                 self.damping = (0.2 * self.damping).max(LEAST_DAMPING);
                 let change = trial.iter().zip(&self.y).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                 self.y = trial;
@@ -179,7 +186,7 @@ impl<P: SumOfSquares> Search<'_, P> {
             // The fall that a step promises decreases with the damping: no further fall is possible.
             let promised = promised(&self.sums, &step);
             promise.get_or_insert(promised);
-            if promised <= 0.1 * tolerance * self.sums.cost {
+            if left == 0 || promised <= 0.1 * tolerance * self.sums.cost {
                 break;
             }
         }
@@ -353,8 +360,8 @@ mod tests {
             assert_eq!(end.y, [0.0]);
             misled.tried
         };
-        assert_eq!(tried(5), [5.0]);
         let all = tried(10);
-        assert!(all.windows(2).all(|pair| pair[1] < pair[0]) && all[0] == 5.0, "{all:?}");
+        assert!(all.len() > 2 && all.windows(2).all(|pair| pair[1] < pair[0]) && all[0] == 5.0, "{all:?}");
+        assert_eq!(tried(2), all[..2]);
     }
 }

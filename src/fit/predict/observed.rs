@@ -35,6 +35,11 @@ impl<'r> ObservedSimulation<'r> {
         self.simulation.channels().iter().map(|channel| channel.values.len()).sum()
     }
 
+    /// As [`Simulation::is_rough`].
+    pub fn is_rough(&self) -> bool {
+        self.simulation.is_rough()
+    }
+
     /// As [`Simulation::nuisances`].
     pub fn nuisances(&mut self, model: &Model) -> Result<Vec<Parameter>, String> {
         self.simulation.nuisances(model)

@@ -59,7 +59,7 @@ impl ObservedSimulation<'_> {
         let coordinates: Vec<Coordinate> =
             nuisances.iter().filter_map(|parameter| Coordinate::new(parameter).ok()).collect();
         let starts = || nuisances.iter().map(|nuisance| nuisance.start).collect();
-        if coordinates.len() != nuisances.len() || !self.simulation.is_settled() {
+        if coordinates.len() != nuisances.len() {
             return starts();
         }
         let (lower, upper): (Vec<f64>, Vec<f64>) = coordinates.iter().map(|c| (c.lower, c.upper)).unzip();

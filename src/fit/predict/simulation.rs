@@ -48,9 +48,9 @@ pub(crate) trait Simulation: Send {
         Ok(Vec::new())
     }
 
-    /// Whether it is worth its time to start where a record fits best: rough predictions need no settled start.
-    fn is_settled(&self) -> bool {
-        true
+    /// Whether the predictions are rough.
+    fn is_rough(&self) -> bool {
+        false
     }
 
     /// Has predictions made in so many steps in time in place of one, where the steps are not controlled; of beams in a steady

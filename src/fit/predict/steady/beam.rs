@@ -163,8 +163,8 @@ impl Simulation for SteadyBeam<'_> {
         Ok(vec![Parameter { start, lower, upper, scale: Scale::Linear }])
     }
 
-    fn is_settled(&self) -> bool {
-        matches!(self.solver, Solver::Balance(_))
+    fn is_rough(&self) -> bool {
+        matches!(self.solver, Solver::Linearised(_))
     }
 
     fn refine(&mut self, finer: usize) {
