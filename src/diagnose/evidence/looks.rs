@@ -61,7 +61,7 @@ impl Search<'_, '_, '_> {
 
     /// Sets of one member, beside the model as it was given, in the place of `empty`, about the motions as they were measured; the
     /// likeliest there. Where something is missing, the model given may be nearer to the truth than what fits best: refitted about
-    /// those motions or, where much is missing, as it is. There lines promise too little, or lead astray: whatever they say, each
+    /// those motions or, where much is missing, as it is. There lines promise too little, or mislead: whatever they say, each
     /// amount is glanced at, and of what is narrow, such as a resonator near the drive, more at each of its places.
     pub(super) fn beside_given(&self, looks: &Measured, empty: &Set) -> Vec<Set> {
         let mut given = empty.clone();
@@ -260,7 +260,7 @@ mod tests {
     }
 
     /// The value of `number` in what is found beside `given`, of all effects of one member, where `truth` was measured at these
-    /// levels and frequencies, and what is left then.
+    /// levels and frequencies, and the residual of it.
     fn found(truth: &Model, given: &Model, levels: &[(f64, f64)], number: &str) -> (f64, f64) {
         let dataset = steady_at(truth, levels);
         let bench = WeightedDataset::new(given, &dataset, Assumptions::default(), None).unwrap();

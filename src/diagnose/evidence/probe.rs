@@ -219,6 +219,11 @@ const AGAIN: usize = 4;
 const STEP: (f64, f64) = (1e-2, 1e2);
 
 impl Probe {
+    /// Of which no line is known.
+    fn new(candidate: usize, y: Vec<f64>) -> Self {
+        Self { candidate, y, gain: 0.0, evidence: 0.0, distance: 0.0, multiple: 1.0 }
+    }
+
     /// Its coordinates, the `first` where the line is best, as far as lines can be trusted.
     pub fn start(&self, first: &Coordinate) -> Vec<f64> {
         at(first.times(self.y[0], self.multiple.clamp(NEAR.0, NEAR.1)), &self.y[1..])
@@ -306,7 +311,7 @@ fn lines(
     let here = joint.model(y)?;
     let beside = |(candidate, y): (usize, Vec<f64>)| {
         let model = candidates[candidate].beside(&here, &y)?;
-        Some((Probe { candidate, y, gain: 0.0, evidence: 0.0, distance: 0.0, multiple: 1.0 }, model))
+        Some((Probe::new(candidate, y), model))
     };
     let (probes, models): (Vec<Probe>, Vec<Model>) = places.into_iter().filter_map(beside).unzip();
     let changes = joint.changes(y, &models);
@@ -348,8 +353,7 @@ pub(super) fn amounts(candidates: &[Prepared], which: &[usize], multiples: &[f64
     let of = |&candidate: &usize| {
         let first = &candidates[candidate].coordinates[0];
         let sizes: Vec<f64> = multiples.iter().map(|multiple| first.times(1.0, *multiple)).collect();
-        let at = move |y| Probe { candidate, y, gain: 0.0, evidence: 0.0, distance: 0.0, multiple: 1.0 };
-        places(&candidates[candidate], &sizes).into_iter().map(at)
+        places(&candidates[candidate], &sizes).into_iter().map(move |y| Probe::new(candidate, y))
     };
     which.iter().flat_map(of).collect()
 }
@@ -389,48 +393,62 @@ mod tests {
         (slider(""), Dataset { title: None, records })
     }
 
+    /// What `check` says of the fit of `model` to `dataset`, and of `effects` beside it.
+    fn beside_fit(
+        model: &Model,
+        dataset: &Dataset,
+        effects: &[&str],
+        check: impl FnOnce(&Measured, &Posterior, &[Prepared]),
+    ) {
+        let bench = WeightedDataset::new(model, dataset, Assumptions::default(), None).unwrap();
+        let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
+        let base = first(&data, None, model).and_then(|(first, _)| again(&data, &first)).unwrap();
+        let only: Vec<String> = effects.iter().map(|id| (*id).to_owned()).collect();
+        let (tried, _) = tried(model, &bench, Some(&only));
+        let scales = magnitudes::of(model, dataset);
+        let candidates = prepare(&data, &base, &tried, &scales, dataset).unwrap().prepared;
+        check(&data, &base, &candidates);
+    }
+
     #[test]
     fn a_glance_beside_what_was_linearised_ends_where_one_of_its_own_does_in_fewer_simulations() {
         let (model, dataset) = measured(0.1);
-        let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
-        let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
-        let base = first(&data, None, &model).and_then(|(first, _)| again(&data, &first)).unwrap();
-        let only = ["backlash", "residual_stiffness", "contact_damping"].map(str::to_owned);
-        let (tried, _) = tried(&model, &bench, Some(&only));
-        let scales = magnitudes::of(&model, &dataset);
-        let candidates = prepare(&data, &base, &tried, &scales, &dataset).unwrap().prepared;
-        for (owner, candidate) in candidates.iter().enumerate() {
-            let probed = around(&data, &base, &candidates, &[owner], SIZES).unwrap();
-            let y = probed.probes[0].start(&candidate.coordinates[0]);
-            let model = candidate.added_to(&base.model, &y);
-            let unknowns: Vec<Unknown> =
-                base.unknowns.iter().cloned().chain(candidate.unknowns(&model, owner)).collect();
-            let start = Start { model: &model, unknowns: &unknowns, y: &[&base.y[..], &y].concat() };
-            let [beside, own] =
-                [probed.tangents.as_ref(), None].map(|known| glance(&data, &start, known).unwrap());
-            // Two derivatives of three records the less.
-            assert!(beside.simulations + 6 <= own.simulations, "{} {}", beside.simulations, own.simulations);
-            let gain = own.log_evidence - base.log_evidence;
-            let apart = beside.log_evidence - own.log_evidence;
-            assert!(apart.abs() < 0.2 * gain.abs(), "{owner}: {apart} of {gain}");
-        }
+        let only = ["backlash", "residual_stiffness", "contact_damping"];
+        beside_fit(&model, &dataset, &only, |data, base, candidates| {
+            for (owner, candidate) in candidates.iter().enumerate() {
+                let probed = around(data, base, candidates, &[owner], SIZES).unwrap();
+                let y = probed.probes[0].start(&candidate.coordinates[0]);
+                let model = candidate.added_to(&base.model, &y);
+                let unknowns: Vec<Unknown> =
+                    base.unknowns.iter().cloned().chain(candidate.unknowns(&model, owner)).collect();
+                let start = Start { model: &model, unknowns: &unknowns, y: &[&base.y[..], &y].concat() };
+                let [beside, own] =
+                    [probed.tangents.as_ref(), None].map(|known| glance(data, &start, known).unwrap());
+                // Two derivatives of three records the less.
+                assert!(
+                    beside.simulations + 6 <= own.simulations,
+                    "{} {}",
+                    beside.simulations,
+                    own.simulations
+                );
+                let gain = own.log_evidence - base.log_evidence;
+                let apart = beside.log_evidence - own.log_evidence;
+                assert!(apart.abs() < 0.2 * gain.abs(), "{owner}: {apart} of {gain}");
+            }
+        });
     }
 
     #[test]
     fn a_little_of_what_saturates_is_looked_at_from_near() {
         for play in [0.01, 0.03, 0.1] {
             let (model, dataset) = measured(play);
-            let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
-            let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
-            let base = first(&data, None, &model).and_then(|(first, _)| again(&data, &first)).unwrap();
-            let (tried, _) = tried(&model, &bench, Some(&["backlash".to_owned()]));
-            let scales = magnitudes::of(&model, &dataset);
-            let candidates = prepare(&data, &base, &tried, &scales, &dataset).unwrap().prepared;
-            let found = around(&data, &base, &candidates, &[0], SIZES).unwrap().probes;
-            let best = &found[0];
-            let gap = candidates[0].coordinates[0].value(best.y[0] * best.multiple);
-            assert!(best.multiple > 0.3, "{play}: {best:?}");
-            assert!((gap / (2.5e-5 * play)).ln().abs() < 1.0, "{play}: {gap} {best:?}");
+            beside_fit(&model, &dataset, &["backlash"], |data, base, candidates| {
+                let found = around(data, base, candidates, &[0], SIZES).unwrap().probes;
+                let best = &found[0];
+                let gap = candidates[0].coordinates[0].value(best.y[0] * best.multiple);
+                assert!(best.multiple > 0.3, "{play}: {best:?}");
+                assert!((gap / (2.5e-5 * play)).ln().abs() < 1.0, "{play}: {gap} {best:?}");
+            });
         }
     }
 
@@ -438,22 +456,18 @@ mod tests {
     fn what_is_looked_at_is_beside_the_numbers_that_are_looked_from() {
         let (mut model, dataset) = measured(0.1);
         model.set_all(&[("contact.friction_coefficient", 0.4)]).unwrap();
-        let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
-        let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
-        let base = first(&data, None, &model).and_then(|(first, _)| again(&data, &first)).unwrap();
-        let (tried, _) = tried(&model, &bench, Some(&["backlash".to_owned()]));
-        let scales = magnitudes::of(&model, &dataset);
-        let candidates = prepare(&data, &base, &tried, &scales, &dataset).unwrap().prepared;
-        let given = vec![0.0; base.y.len()];
-        assert!(base.y.iter().any(|y| y.abs() > 0.3), "{:?}", base.y);
-        // As it was given, whatever it was fitted to before.
-        let [refitted, untouched] = [&base.model, &model].map(|model| {
-            let parent = Posterior { model: model.clone(), y: given.clone(), ..base.clone() };
-            let probes = around(&data, &parent, &candidates, &[0], SIZES).unwrap().probes;
-            probes.into_iter().map(|probe| (probe.y, probe.gain)).collect::<Vec<_>>()
+        beside_fit(&model, &dataset, &["backlash"], |data, base, candidates| {
+            let given = vec![0.0; base.y.len()];
+            assert!(base.y.iter().any(|y| y.abs() > 0.3), "{:?}", base.y);
+            // As it was given, whatever it was fitted to before.
+            let [refitted, untouched] = [&base.model, &model].map(|model| {
+                let parent = Posterior { model: model.clone(), y: given.clone(), ..base.clone() };
+                let probes = around(data, &parent, candidates, &[0], SIZES).unwrap().probes;
+                probes.into_iter().map(|probe| (probe.y, probe.gain)).collect::<Vec<_>>()
+            });
+            for ((y, gain), (other, as_much)) in refitted.iter().zip(&untouched) {
+                assert!(y == other && (gain - as_much).abs() < 1e-6 * as_much, "{y:?} {gain} {as_much}");
+            }
         });
-        for ((y, gain), (other, as_much)) in refitted.iter().zip(&untouched) {
-            assert!(y == other && (gain - as_much).abs() < 1e-6 * as_much, "{y:?} {gain} {as_much}");
-        }
     }
 }

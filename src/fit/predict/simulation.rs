@@ -48,7 +48,7 @@ pub(crate) trait Simulation: Send {
         Ok(Vec::new())
     }
 
-    /// Whether the predictions are rough.
+    /// Whether the predictions are no more than a first-order step from the measured motion.
     fn is_rough(&self) -> bool {
         false
     }
