@@ -393,7 +393,7 @@ mod tests {
         (slider(""), Dataset { title: None, records })
     }
 
-    /// What `check` says of the fit of `model` to `dataset`, and of `effects` beside it.
+    /// Has the fit of `model` to `dataset` checked, with `effects` that may stand beside it.
     fn beside_fit(
         model: &Model,
         dataset: &Dataset,
