@@ -1,6 +1,6 @@
 //! Laws that slip gradually by themselves.
 
-use super::{ContactLaw, cut_to};
+use super::{ContactLaw, Inputs, cut_to};
 
 /// A law of one hysteretic force that saturates at the friction limit, beside a residual spring that it may have.
 ///
@@ -21,6 +21,14 @@ pub trait GradualLaw: ContactLaw {
         let mut law = self.boxed();
         law.gradual_mut().asymmetry = asymmetry;
         law
+    }
+
+    /// [`ContactLaw::advance`] by [`ContactLaw::step`].
+    fn advance_by_step(&self, state: &mut [f64], inputs: Inputs) -> f64 {
+        let mut next = [0.0; STATE];
+        let force = self.step(state, inputs, &mut next).force;
+        state.copy_from_slice(&next);
+        force
     }
 
     /// As [`Gradual::stored_energy`].

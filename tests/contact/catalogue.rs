@@ -52,6 +52,25 @@ fn energy_is_only_lost_and_a_separated_contact_has_no_force() {
 }
 
 #[test]
+fn the_step_for_the_force_alone_is_the_step() {
+    for_every_law(|kind, law, history| {
+        let mut whole = rested(law, 100.0);
+        let mut alone = whole.clone();
+        // Two steps under each load: the first changes it.
+        for (displacement, load) in history.iter().flat_map(|(u, load)| [(*u, *load), (0.4 * u, *load)]) {
+            let inputs = Inputs { displacement, velocity: 0.0, normal_load: load };
+            let expected = go(law, &mut whole, displacement, load).force;
+            let force = law.advance(&mut alone, inputs);
+            let limit = law.limit(load).max(1.0);
+            assert!((force - expected).abs() < 1e-11 * limit, "{kind:?} {inputs:?}: {force} {expected}");
+            for (alone, whole) in alone.iter().zip(&whole) {
+                assert!((alone - whole).abs() < 1e-11 * whole.abs().max(1e-4), "{kind:?} {inputs:?}");
+            }
+        }
+    });
+}
+
+#[test]
 fn the_work_of_closed_loops_is_what_is_dissipated() {
     for_every_law(|kind, law, _| {
         let mut state = rested(law, 100.0);

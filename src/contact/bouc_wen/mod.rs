@@ -218,16 +218,16 @@ impl BoucWen {
         let start = sign * force.value / limit;
         let way = stiffness * travel.value.abs() / limit;
         let (end, slope, by_start, lost) = if start < 0.0 {
-            let (Reached { x, by_start, lost }, rest) = self.unloading.fall(-start, way);
+            let (Reached { x, by_start, slope, lost }, rest) = self.unloading.fall(-start, way);
             if rest > 0.0 {
                 let risen = self.loading.rise(0.0, rest);
-                (risen.x, self.loading.slope(risen.x), by_start * risen.by_start, lost + risen.lost)
+                (risen.x, risen.slope, by_start * risen.by_start, lost + risen.lost)
             } else {
-                (-x, self.unloading.slope(x), by_start, lost)
+                (-x, slope, by_start, lost)
             }
         } else {
-            let Reached { x, by_start, lost } = self.loading.rise(start, way);
-            (x, self.loading.slope(x), by_start, lost)
+            let Reached { x, by_start, slope, lost } = self.loading.rise(start, way);
+            (x, slope, by_start, lost)
         };
         let end = sign * end * limit;
         // The force is homogeneous of the first degree in force, way and limit.
@@ -235,6 +235,22 @@ impl BoucWen {
         let by_load = (end - by_start * force.value - by_travel * travel.value) / load.value;
         let terms = [(by_start, force), (by_travel, travel), (by_load, load)];
         (Graded::of(end, terms), lost * limit * limit / stiffness)
+    }
+
+    /// As [`BoucWen::follow`] of a force that is [`BoucWen::cut`], the force alone; the load is above zero.
+    fn followed(&self, force: f64, travel: f64, load: f64) -> f64 {
+        let sign = if travel < 0.0 { -1.0 } else { 1.0 };
+        let limit = self.friction(sign) * load;
+        let cut = force.clamp(-self.friction(-1.0) * load, self.friction(1.0) * load);
+        let start = sign * cut / limit;
+        let way = self.gradual.hysteretic_stiffness * travel.abs() / limit;
+        let end = if start < 0.0 {
+            let (Reached { x, .. }, rest) = self.unloading.fall(-start, way);
+            if rest > 0.0 { self.loading.risen_to(0.0, rest) } else { -x }
+        } else {
+            self.loading.risen_to(start, way)
+        };
+        sign * end * limit
     }
 
     /// Hysteretic force (N) after the distance `travel` (m) from `force` (N), while the load runs linearly between
@@ -323,6 +339,25 @@ impl ContactLaw for BoucWen {
             dissipated_energy,
             slip_state: if inputs.normal_load > 0.0 { SlipState::Slip } else { SlipState::Separated },
         }
+    }
+
+    /// Without derivatives. Under a constant load the two motions of a step are one.
+    fn advance(&self, state: &mut [f64], inputs: Inputs) -> f64 {
+        let Inputs { displacement, normal_load, .. } = inputs;
+        let (travel, start_load) = (displacement - state[1], state[2]);
+        if !(normal_load > 0.0 && start_load > 0.0) {
+            return self.advance_by_step(state, inputs);
+        }
+        state[0] = if start_load == normal_load {
+            self.followed(state[0], travel, normal_load)
+        } else {
+            let middle = start_load + FIRST_LOAD * (normal_load - start_load);
+            let first = self.followed(state[0], FIRST_PART * travel, middle);
+            self.followed(first, (1.0 - FIRST_PART) * travel, normal_load)
+        };
+        state[1] = displacement;
+        state[2] = normal_load;
+        state[0] + self.gradual.residual_stiffness * (displacement - state[3])
     }
 
     fn state_tangents(&self, state: &[f64], inputs: Inputs, out: &mut StateTangents) {

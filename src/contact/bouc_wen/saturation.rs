@@ -15,8 +15,18 @@ pub(super) struct Reached {
     pub x: f64,
     /// ∂x/∂x₀.
     pub by_start: f64,
+    /// The slope of the curve there.
+    pub slope: f64,
     /// `∫ x |a| xⁿ/(1 − a xⁿ) dx`: work less the energy kept, at least zero.
     pub lost: f64,
+}
+
+/// Where series end.
+struct EndBySeries {
+    x: f64,
+    /// The slope at the start, where one was needed.
+    before: Option<f64>,
+    lost: f64,
 }
 
 /// A series in `a xⁿ` serves up to here, which takes at most 50 terms; quadrature beyond.
@@ -25,6 +35,15 @@ const NEAR: f64 = 0.5;
 /// Terms of a power series in the way at most, the size of the last one that is left over the place, and the place from where such series serve
 /// for any way: where x is 0 the curve is not analytic.
 const TERMS: usize = 20;
+/// 1, 1/2, 1/3, …
+const OVER: [f64; TERMS] = {
+    let (mut over, mut k) = ([1.0; TERMS], 0);
+    while k < TERMS {
+        over[k] /= (k + 1) as f64;
+        k += 1;
+    }
+    over
+};
 const LAST: f64 = 1e-17;
 const ANY: f64 = 0.25;
 /// As many ways downwards do not reach zero, and a series serves.
@@ -60,11 +79,7 @@ impl Saturation {
         let whole = self.way(x) + w;
         // The last number below one.
         if !(x < 1.0 && whole < self.way(1.0 - 0.5 * f64::EPSILON)) {
-            return Reached {
-                x: 1.0,
-                by_start: self.left_of_gap(x, 1.0, w),
-                lost: self.lost_rising(x, 1.0, w),
-            };
+            return self.risen(self.slope(x), 1.0, w, self.lost_rising(x, 1.0, w));
         }
         // The way is concave in −ln(1 − x): from below Newton's steps never go too far.
         let mut gap = (1.0 - x) * (-w).exp();
@@ -77,27 +92,38 @@ impl Saturation {
             gap = next;
         }
         let end = (1.0 - gap).max(x);
-        Reached { x: end, by_start: self.left_of_gap(x, end, w), lost: self.lost_rising(x, end, w) }
+        self.risen(self.slope(x), end, w, self.lost_rising(x, end, w))
     }
 
-    /// The same by power series in the way, where x is not small against that.
+    /// The end of [`Saturation::rise`] alone.
+    pub fn risen_to(&self, x: f64, w: f64) -> f64 {
+        self.end_by_series(x, w).map_or_else(|| self.rise(x, w).x, |end| end.x)
+    }
+
+    /// [`Saturation::rise`] by power series in the way, where x is not small against that.
     fn rise_by_series(&self, x: f64, w: f64) -> Option<Reached> {
+        let EndBySeries { x: end, before, lost } = self.end_by_series(x, w)?;
+        Some(self.risen(before.unwrap_or_else(|| self.slope(x)), end, w, lost))
+    }
+
+    /// The same for what needs no more than the slope at the start.
+    fn end_by_series(&self, x: f64, w: f64) -> Option<EndBySeries> {
         if !(w >= 0.0 && (x > ANY || x > w)) {
             return None;
         }
-        let (mut gap, mut left, mut lost) = (1.0 - x, w, 0.0);
+        let (mut gap, mut left, mut lost, mut before) = (1.0 - x, w, 0.0, None);
         while left > 0.0 && gap > 0.25 * f64::EPSILON {
             let logarithm = self.n * (-gap).ln_1p();
             let (slope, power) = (-logarithm.exp_m1(), logarithm.exp());
+            before.get_or_insert(slope);
             let (part, change, mean) = self.advance(1.0 - gap, [slope, power], 1.0, left);
             let next = gap - change;
             // ∫ x dw − ∫ x dx.
             lost += part * (1.0 - gap + mean) - 0.5 * (gap - next) * (2.0 - gap - next);
             (gap, left) = (next, left - part);
         }
-        let end = (1.0 - gap).clamp(x, 1.0);
         // At the limit all work is lost.
-        Some(Reached { x: end, by_start: self.left_of_gap(x, end, w), lost: (lost + left).max(0.0) })
+        Some(EndBySeries { x: (1.0 - gap).clamp(x, 1.0), before, lost: (lost + left).max(0.0) })
     }
 
     /// From `x` over the way `left`, or as much of it as a series allows: that part, the change of x upwards (`sign` 1) or
@@ -108,23 +134,28 @@ impl Saturation {
         let (mut slopes, mut places, mut rates) = ([0.0; TERMS], [0.0; TERMS], [0.0; TERMS]);
         slopes[0] = slope;
         let (mut part, mut small, mut terms) = (left, 0, TERMS);
+        let (mut power_of_left, rate) = (1.0, sign / x);
         for k in 0..TERMS - 1 {
-            let next = (k + 1) as f64;
-            places[k + 1] = slopes[k] / next;
+            let over = OVER[k];
+            places[k + 1] = slopes[k] * over;
+            power_of_left *= left;
             // Two small terms one after the other are no chance.
-            small = if places[k + 1].abs() * left.powi(k as i32 + 1) < LAST * x { small + 1 } else { 0 };
+            small = if places[k + 1].abs() * power_of_left < LAST * x { small + 1 } else { 0 };
             if small == 2 {
                 terms = k + 2;
                 break;
             }
             let own = if k == 0 { power } else { power - slope };
-            let pairs = |j: usize| {
-                let own = if j < k { self.n * slopes[j] * slopes[k - j] } else { 0.0 };
-                own - places[j] * rates[k + 1 - j]
-            };
-            let carried: f64 = (1..=k).map(pairs).sum();
-            rates[k + 1] = sign * (carried - self.n * own * slopes[k]) / x;
-            slopes[k + 1] = rates[k + 1] / next;
+            let (mut squared, mut carried) = (-own * slopes[k], 0.0);
+            for j in 1..k {
+                squared += slopes[j] * slopes[k - j];
+                carried += places[j] * rates[k + 1 - j];
+            }
+            if k > 0 {
+                carried += places[k] * rates[1];
+            }
+            rates[k + 1] = rate * (self.n * squared - carried);
+            slopes[k + 1] = rates[k + 1] * over;
         }
         if terms == TERMS {
             let reach = |k: usize| (LAST * x / places[k].abs()).powf(1.0 / k as f64);
@@ -138,18 +169,19 @@ impl Saturation {
         (part, change, mean)
     }
 
-    /// `∂end/∂x` of a way `w` upwards from `x`: near the limit the gap falls exponentially, where its rounded values have
-    /// no digits left.
-    fn left_of_gap(&self, x: f64, end: f64, w: f64) -> f64 {
+    /// The end `x` of a way `w` upwards from where the curve has the slope `before`: near the limit the gap falls exponentially,
+    /// where its rounded values have no digits left.
+    fn risen(&self, before: f64, x: f64, w: f64, lost: f64) -> Reached {
         let slope = self.slope(x);
-        if slope < NEARLY { (-self.n * w).exp() } else { self.slope(end) / slope }
+        let by_start = if before < NEARLY { (-self.n * w).exp() } else { slope / before };
+        Reached { x, by_start, slope, lost }
     }
 
     /// Follows the curve from `x ≥ 0` downwards over the way `w ≥ 0`, to zero at the least; the way left over.
     pub fn fall(&self, x: f64, w: f64) -> (Reached, f64) {
         if self.a == 0.0 {
             let end = (x - w).max(0.0);
-            return (Reached { x: end, by_start: 1.0, lost: 0.0 }, (w - x).max(0.0));
+            return (Reached { x: end, by_start: 1.0, slope: 1.0, lost: 0.0 }, (w - x).max(0.0));
         }
         if w >= 0.0 && x > AWAY * w {
             return (self.fall_by_series(x, w), 0.0);
@@ -157,7 +189,7 @@ impl Saturation {
         let whole = self.way(x) - w;
         if whole <= 0.0 {
             let by_start = 1.0 / self.slope(x);
-            return (Reached { x: 0.0, by_start, lost: self.lost(x).abs() }, -whole);
+            return (Reached { x: 0.0, by_start, slope: 1.0, lost: self.lost(x).abs() }, -whole);
         }
         // The way is concave in x.
         let mut end = (x - w * self.slope(x)).max(0.0);
@@ -169,21 +201,22 @@ impl Saturation {
             end = next;
         }
         let end = end.min(x);
-        let lost = (self.lost(x) - self.lost(end)).abs();
-        (Reached { x: end, by_start: self.slope(end) / self.slope(x), lost }, 0.0)
+        let (lost, slope) = ((self.lost(x) - self.lost(end)).abs(), self.slope(end));
+        (Reached { x: end, by_start: slope / self.slope(x), slope, lost }, 0.0)
     }
 
     /// The same by power series in the way, where that is short of zero.
     fn fall_by_series(&self, x: f64, w: f64) -> Reached {
-        let (mut end, mut left, mut lost) = (x, w, 0.0);
+        let before = self.slope(x);
+        let (mut end, mut left, mut lost, mut slope) = (x, w, 0.0, before);
         while left > 0.0 {
-            let power = self.a * end.powf(self.n);
-            let (part, change, mean) = self.advance(end, [1.0 - power, power], -1.0, left);
+            let (part, change, mean) = self.advance(end, [slope, 1.0 - slope], -1.0, left);
             // ∫ x dx − ∫ x dw.
             lost += 0.5 * change * (2.0 * end - change) - part * (end - mean);
             (end, left) = (end - change, left - part);
+            slope = self.slope(end);
         }
-        Reached { x: end, by_start: self.slope(end) / self.slope(x), lost: lost.max(0.0) }
+        Reached { x: end, by_start: slope / before, slope, lost: lost.max(0.0) }
     }
 
     /// `∫₀ˣ dt/(1 − a tⁿ)`, infinite at the limit.

@@ -93,12 +93,24 @@ impl Base {
 
     /// Everything about a step but the next state.
     pub fn look(&self, state: &[f64], displacement: f64, load: f64) -> Look {
+        match self {
+            Self::Sliders(sliders) => sliders.look(state, displacement, load),
+            Self::Gradual(_) => self.step(state, displacement, load, &mut [0.0; STATE]),
+        }
+    }
+
+    /// Everything about a step; writes the next state.
+    pub fn step(&self, state: &[f64], displacement: f64, load: f64, next: &mut [f64]) -> Look {
         let law = match self {
-            Self::Sliders(sliders) => return sliders.look(state, displacement, load),
+            Self::Sliders(sliders) => {
+                let look = sliders.look(state, displacement, load);
+                next.copy_from_slice(state);
+                sliders.advance(next, displacement, load);
+                return look;
+            }
             Self::Gradual(law) => law,
         };
-        let mut next = [0.0; STATE];
-        let response = law.step(state, inputs(displacement, load), &mut next);
+        let response = law.step(state, inputs(displacement, load), next);
         let mut path = Path::default();
         // A step in which the contact opens or closes is left out: the path there is of no account.
         if load > 0.0 && state[2] > 0.0 {

@@ -259,10 +259,8 @@ impl ContactLaw for Joint {
 
     fn step(&self, state: &[f64], inputs: Inputs, next: &mut [f64]) -> Response {
         let end = self.end(state, inputs);
-        let look = self.base.look(&state[BASE..], end.displacement, end.load);
+        let look = self.base.step(&state[BASE..], end.displacement, end.load, &mut next[BASE..]);
         let (response, damper) = self.response(state, inputs, &end, &look);
-        next.copy_from_slice(state);
-        self.base.advance(&mut next[BASE..], end.displacement, end.load);
         Self::store(next, &end, damper);
         response
     }

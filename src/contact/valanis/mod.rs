@@ -286,6 +286,19 @@ impl ContactLaw for Valanis {
         }
     }
 
+    /// Without derivatives.
+    fn advance(&self, state: &mut [f64], inputs: Inputs) -> f64 {
+        let limit = self.limit(inputs.normal_load);
+        if Curve::separated(inputs.normal_load, limit) || state[2] <= 0.0 {
+            return self.advance_by_step(state, inputs);
+        }
+        let start = Curve::start(state, inputs);
+        state[0] = self.curve.end_force(&start, inputs.normal_load, limit);
+        state[1] = inputs.displacement;
+        state[2] = inputs.normal_load;
+        state[0] + self.curve.gradual.residual_stiffness * (inputs.displacement - state[3])
+    }
+
     fn state_tangents(&self, state: &[f64], inputs: Inputs, out: &mut StateTangents) {
         out.reset(4);
         out.next_by_displacement[1] = 1.0;

@@ -35,6 +35,18 @@ pub(super) struct Closing {
     pub by_end_load: f64,
 }
 
+/// Where a motion under one load ends.
+struct Moved {
+    /// Hysteretic force (N) where it begins, within what the limit leaves of it.
+    start: f64,
+    /// Relative to the limit: gap there, and reach.
+    gap: f64,
+    delta: f64,
+    stretch: Stretch,
+    /// Hysteretic force (N) at the end.
+    end: f64,
+}
+
 /// A motion under one load.
 struct Motion {
     hysteretic_force: f64,
@@ -97,20 +109,30 @@ impl Curve {
 
     /// Moves from `force` (N) over `distance` (m, not negative) in the direction `sign` under one `limit`
     /// (N), which may lie below the force: ahead it cuts, behind it is mostly left to the end of the step.
-    fn motion(&self, force: f64, sign: f64, distance: f64, limit: f64) -> Motion {
+    fn moved(&self, force: f64, sign: f64, distance: f64, limit: f64) -> Moved {
         let along = sign * force;
         let behind = BEHIND * (self.gradual.side(-sign) / self.gradual.side(sign));
-        let (cut, start) = if along > limit {
-            (true, sign * limit)
+        let start = if along > limit {
+            sign * limit
         } else if along < -behind * limit {
-            (true, -sign * behind * limit)
+            -sign * behind * limit
         } else {
-            (false, force)
+            force
         };
         let gap = 1.0 - sign * (start / limit);
         let delta = self.reach_stiffness * (distance / limit);
         let stretch = advance(gap, delta, self.curvature);
         let end = start + sign * limit * stretch.drop;
+        // Rounding may pass the limit ahead.
+        let end = if sign * end > limit { sign * limit } else { end };
+        Moved { start, gap, delta, stretch, end }
+    }
+
+    /// The same with what it dissipates, and derivatives.
+    fn motion(&self, force: f64, sign: f64, distance: f64, limit: f64) -> Motion {
+        let Moved { start, gap, delta, stretch, end } = self.moved(force, sign, distance, limit);
+        // NaN is not.
+        let cut = start != force && !force.is_nan();
         // Where the reach overflows, all of the path is macro-slip.
         let slipped = if delta.is_finite() {
             limit / self.reach_stiffness * dissipation(gap, &stretch)
@@ -120,8 +142,7 @@ impl Curve {
         let by_start = stretch.ratio * (1.0 + self.curvature * gap) / (1.0 + self.curvature * stretch.gap);
         let by_limit = self.by_limit(sign, gap, stretch.gap, by_start, delta);
         Motion {
-            // Rounding may pass the limit ahead.
-            hysteretic_force: if sign * end > limit { sign * limit } else { end },
+            hysteretic_force: end,
             dissipated_energy: limit * slipped + self.lost_by_cut(force, start),
             by_travel: self.reach_stiffness * self.slope(stretch.gap),
             by_start: if cut { 0.0 } else { by_start },
@@ -169,12 +190,7 @@ impl Curve {
                 ahead * self.gradual.limit(start.normal_load + FIRST_LOAD * (end_load - start.normal_load));
             self.two_motions(start.hysteretic_force, sign, distance, [first, limit])
         };
-        // A limit behind the motion that falls faster than the force takes it along: the mean counts.
-        let cut = if sign * end.hysteretic_force < -limit_behind {
-            -sign * limit_behind
-        } else {
-            cut_to(end.hysteretic_force, limit.max(limit_behind))
-        };
+        let cut = Self::cut(end.hysteretic_force, sign, limit, limit_behind);
         end.by_start_limit *= ahead;
         end.by_end_limit *= ahead;
         if cut != end.hysteretic_force {
@@ -192,6 +208,27 @@ impl Curve {
             };
         }
         end
+    }
+
+    /// A force at the end of a step within the limits there. A limit behind the motion that falls faster than the force takes it
+    /// along: the mean counts.
+    fn cut(force: f64, sign: f64, limit: f64, behind: f64) -> f64 {
+        if sign * force < -behind { -sign * behind } else { cut_to(force, limit.max(behind)) }
+    }
+
+    /// Hysteretic force (N) at the end of a step in contact that began in contact, without derivatives.
+    pub fn end_force(&self, start: &Start, end_load: f64, limit: f64) -> f64 {
+        let (sign, distance) = (Self::direction(start), start.travel.abs());
+        let (ahead, behind) = (self.gradual.side(sign), self.gradual.side(-sign));
+        let force = if start.normal_load == end_load {
+            self.moved(start.hysteretic_force, sign, distance, ahead * limit).end
+        } else {
+            let load = start.normal_load + FIRST_LOAD * (end_load - start.normal_load);
+            let first = ahead * self.gradual.limit(load);
+            let first = self.moved(start.hysteretic_force, sign, FIRST_FRACTION * distance, first).end;
+            self.moved(first, sign, (1.0 - FIRST_FRACTION) * distance, ahead * limit).end
+        };
+        Self::cut(force, sign, ahead * limit, behind * limit)
     }
 
     /// Under constant load both motions of a step are one; its derivatives still distinguish their limits.

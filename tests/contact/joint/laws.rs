@@ -79,7 +79,9 @@ fn the_step_for_the_force_alone_is_the_step() {
             let response = law.step(&contact.state, inputs, &mut next);
             contact.state.copy_from_slice(&next);
             close(force, response.force, 1e-10);
-            assert_eq!(state, contact.state, "{law:?}");
+            for (alone, whole) in state.iter().zip(&contact.state) {
+                close(*alone, *whole, 1e-11 * whole.abs().max(1e-4));
+            }
         }
     }
 }

@@ -126,7 +126,7 @@ impl<'r> MovedContact<'r> {
 pub(in crate::fit::predict) struct ContactStepper<'s> {
     contact: &'s MovedContact<'s>,
     law: &'s dyn ContactLaw,
-    /// The state before the sample, and room for the next.
+    /// The state before the sample, and room for another.
     pub state: Vec<f64>,
     pub next: Vec<f64>,
 }
@@ -143,9 +143,7 @@ impl ContactStepper<'_> {
 
     /// The force at sample `index`; the state after it is the one before the next.
     pub fn force(&mut self, index: usize) -> f64 {
-        let force = self.law.step(&self.state, self.contact.inputs(index), &mut self.next).force;
-        std::mem::swap(&mut self.state, &mut self.next);
-        force
+        self.law.advance(&mut self.state, self.contact.inputs(index))
     }
 
     /// Steps through the record and writes what each channel shows, one channel after the other.
