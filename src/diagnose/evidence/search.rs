@@ -114,7 +114,8 @@ impl Search<'_, '_, '_> {
                 break;
             }
         }
-        self.repair(&mut sets);
+        doubts.extend(self.last_doubt(&sets, &doubts));
+        self.repair(&mut sets, &doubts);
         self.told("likely sets of effects without one of them");
         self.nest(&mut sets);
         self.told("sets of effects that fitted worse than smaller ones");
@@ -129,6 +130,16 @@ impl Search<'_, '_, '_> {
         let doubt = self.doubted(set);
         let adequate = is_adequate(self.data, set, doubt.as_ref());
         (doubt, adequate)
+    }
+
+    /// The likeliest of `sets` with a discrepancy, unless that is among the `known`.
+    fn last_doubt(&self, sets: &[Set], known: &[Set]) -> Option<Set> {
+        let best =
+            sets.iter().filter(|set| !set.screened).max_by(|a, b| evidence(a).total_cmp(&evidence(b)))?;
+        if known.iter().any(|known| known.members == best.members && known.posterior.y == best.posterior.y) {
+            return None;
+        }
+        self.doubted(best)
     }
 
     /// Reports a stage that was done.
