@@ -56,8 +56,11 @@ fn the_step_for_the_force_alone_is_the_step() {
     for_every_law(|kind, law, history| {
         let mut whole = rested(law, 100.0);
         let mut alone = whole.clone();
-        // Two steps under each load: the first changes it.
-        for (displacement, load) in history.iter().flat_map(|(u, load)| [(*u, *load), (0.4 * u, *load)]) {
+        // Three steps under each load: the first changes it, the last does not move.
+        let steps = history.iter().flat_map(|(u, load)| [(*u, *load), (0.4 * u, *load), (0.4 * u, *load)]);
+        for (displacement, load) in
+            steps.chain([(1e-6, 5e-324), (2e-6, 5e-324), (3e-6, 1e300), (4e-6, 1e300)])
+        {
             let inputs = Inputs { displacement, velocity: 0.0, normal_load: load };
             let expected = go(law, &mut whole, displacement, load).force;
             let force = law.advance(&mut alone, inputs);

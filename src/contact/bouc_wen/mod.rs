@@ -7,7 +7,7 @@ use std::ops::Bound;
 use crate::contact::error::{Bounds, LawError, checked, checked_pair};
 use crate::contact::gradual::{Gradual, GradualLaw, STATE};
 use crate::contact::kind::{self, LawKind, LawParameter, LawValues};
-use crate::contact::{ContactLaw, Inputs, Response, SlipState, StateTangents, Tangents};
+use crate::contact::{ContactLaw, Inputs, Response, SlipState, StateTangents, Tangents, cut_to};
 use crate::vocabulary::{self as v, Scale};
 use saturation::{Reached, Saturation};
 
@@ -237,12 +237,14 @@ impl BoucWen {
         (Graded::of(end, terms), lost * limit * limit / stiffness)
     }
 
-    /// As [`BoucWen::follow`] of a force that is [`BoucWen::cut`], the force alone; the load is above zero.
+    /// The force (N) that [`BoucWen::cut`] and then [`BoucWen::follow`] give, without derivatives.
     fn followed(&self, force: f64, travel: f64, load: f64) -> f64 {
-        let sign = if travel < 0.0 { -1.0 } else { 1.0 };
+        let sign = travel.signum();
         let limit = self.friction(sign) * load;
-        let cut = force.clamp(-self.friction(-1.0) * load, self.friction(1.0) * load);
-        let start = sign * cut / limit;
+        if limit <= 0.0 {
+            return 0.0;
+        }
+        let start = sign * cut_to(force, self.friction(force.signum()) * load) / limit;
         let way = self.gradual.hysteretic_stiffness * travel.abs() / limit;
         let end = if start < 0.0 {
             let (Reached { x, .. }, rest) = self.unloading.fall(-start, way);
@@ -351,7 +353,7 @@ impl ContactLaw for BoucWen {
         state[0] = if start_load == normal_load {
             self.followed(state[0], travel, normal_load)
         } else {
-            let middle = start_load + FIRST_LOAD * (normal_load - start_load);
+            let middle = (1.0 - FIRST_LOAD) * start_load + FIRST_LOAD * normal_load;
             let first = self.followed(state[0], FIRST_PART * travel, middle);
             self.followed(first, (1.0 - FIRST_PART) * travel, normal_load)
         };

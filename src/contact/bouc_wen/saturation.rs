@@ -32,9 +32,11 @@ struct EndBySeries {
 /// A series in `a xⁿ` serves up to here, which takes at most 50 terms; quadrature beyond.
 const NEAR: f64 = 0.5;
 
-/// Terms of a power series in the way at most, the size of the last one that is left over the place, and the place from where such series serve
-/// for any way: where x is 0 the curve is not analytic.
+/// Terms of a power series in the way at most, the size of the last one that is left over the place, and the place from where
+/// such series serve for any way: where x is 0 the curve is not analytic.
 const TERMS: usize = 20;
+const LAST: f64 = 1e-17;
+const ANY: f64 = 0.25;
 /// 1, 1/2, 1/3, …
 const OVER: [f64; TERMS] = {
     let (mut over, mut k) = ([1.0; TERMS], 0);
@@ -44,8 +46,7 @@ const OVER: [f64; TERMS] = {
     }
     over
 };
-const LAST: f64 = 1e-17;
-const ANY: f64 = 0.25;
+
 /// As many ways downwards do not reach zero, and a series serves.
 const AWAY: f64 = 4.0;
 
@@ -106,9 +107,9 @@ impl Saturation {
         Some(self.risen(before.unwrap_or_else(|| self.slope(x)), end, w, lost))
     }
 
-    /// The same for what needs no more than the slope at the start.
+    /// Where that ends, the energy lost, and the slope at the start.
     fn end_by_series(&self, x: f64, w: f64) -> Option<EndBySeries> {
-        if !(w >= 0.0 && (x > ANY || x > w)) {
+        if !(w >= 0.0 && (x > ANY || x > w && x > f64::EPSILON)) {
             return None;
         }
         let (mut gap, mut left, mut lost, mut before) = (1.0 - x, w, 0.0, None);
@@ -183,7 +184,7 @@ impl Saturation {
             let end = (x - w).max(0.0);
             return (Reached { x: end, by_start: 1.0, slope: 1.0, lost: 0.0 }, (w - x).max(0.0));
         }
-        if w >= 0.0 && x > AWAY * w {
+        if w >= 0.0 && x > AWAY * w && x > f64::EPSILON {
             return (self.fall_by_series(x, w), 0.0);
         }
         let whole = self.way(x) - w;

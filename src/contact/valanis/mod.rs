@@ -289,10 +289,10 @@ impl ContactLaw for Valanis {
     /// Without derivatives.
     fn advance(&self, state: &mut [f64], inputs: Inputs) -> f64 {
         let limit = self.limit(inputs.normal_load);
-        if Curve::separated(inputs.normal_load, limit) || state[2] <= 0.0 {
+        let start = Curve::start(state, inputs);
+        if Curve::separated(inputs.normal_load, limit) || start.closing.is_some() {
             return self.advance_by_step(state, inputs);
         }
-        let start = Curve::start(state, inputs);
         state[0] = self.curve.end_force(&start, inputs.normal_load, limit);
         state[1] = inputs.displacement;
         state[2] = inputs.normal_load;

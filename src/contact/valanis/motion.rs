@@ -37,7 +37,7 @@ pub(super) struct Closing {
 
 /// Where a motion under one load ends.
 struct Moved {
-    /// Hysteretic force (N) where it begins, within what the limit leaves of it.
+    /// Hysteretic force (N) where it begins, after it was cut.
     start: f64,
     /// Relative to the limit: gap there, and reach.
     gap: f64,
@@ -131,7 +131,7 @@ impl Curve {
     /// The same with what it dissipates, and derivatives.
     fn motion(&self, force: f64, sign: f64, distance: f64, limit: f64) -> Motion {
         let Moved { start, gap, delta, stretch, end } = self.moved(force, sign, distance, limit);
-        // NaN is not.
+        // NaN differs from itself, but was not cut.
         let cut = start != force && !force.is_nan();
         // Where the reach overflows, all of the path is macro-slip.
         let slipped = if delta.is_finite() {

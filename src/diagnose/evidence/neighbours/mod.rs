@@ -113,10 +113,11 @@ impl Search<'_, '_, '_> {
     }
 
     /// Every subset of one less of the likely sets, looked at from the larger one's parameters, and fitted from there where it
-    /// may be likely: a smaller set that stuck would make the larger one look better than it is. A set that lacks far more than
-    /// one of the `doubts` does is told with no probability, and its subsets lack no less.
+    /// may be likely: a smaller set that stuck would make the larger one look better than it is. Those far behind one of the
+    /// `doubts` that matters are passed over: a set is told with no probability then, and its subsets lack no less.
     pub(super) fn repair(&self, sets: &mut Vec<Set>, doubts: &[Set]) {
-        let least = doubts.iter().map(evidence).fold(f64::NEG_INFINITY, f64::max) - BEHIND;
+        let doubts = doubts.iter().filter(|doubt| self.matters(doubt, sets));
+        let least = doubts.map(evidence).fold(f64::NEG_INFINITY, f64::max) - BEHIND;
         for size in (1..=self.most).rev() {
             let weights = weights::of(self.data, sets, self.candidates);
             let is_likely = |k: usize| weights[k] > LIKELY && evidence(&sets[k]) > least;
@@ -129,6 +130,15 @@ impl Search<'_, '_, '_> {
             found.par_iter_mut().for_each(|set| self.finish(set));
             found.into_iter().filter(|set| !set.screened).for_each(|set| keep(sets, set));
         }
+    }
+
+    /// Whether the discrepancy of `doubt` changes what its set among `sets` predicts by what is relevant, or stands for a residual.
+    fn matters(&self, doubt: &Set, sets: &[Set]) -> bool {
+        let without = sets.iter().find(|set| set.has_just(&doubt.members));
+        let changed =
+            |set: &Set| self.data.relevance(&doubt.posterior.predictions, &set.posterior.predictions);
+        doubt.discrepancy == Some(Discrepancy::Residual)
+            || without.map(changed).is_some_and(|changed| changed >= self.data.assumptions().relevant)
     }
 
     /// Looks again at those that fit worse than a set of one member less, from there: what the smaller can the larger can, too.

@@ -214,13 +214,18 @@ fn sets_that_are_far_less_likely_than_with_a_discrepancy_are_not_gone_into() {
         assert!(sets.iter().any(|set| set.members.len() == 2 && evidence(set) == best));
         // One that stuck.
         (sets[alone].posterior.log_evidence, sets[alone].posterior.log_peak) = (-1e9, -1e9);
-        let repaired = |more: f64| {
+        let repaired = |more: f64, kind: Discrepancy, factor: f64| {
             let (mut sets, mut doubt) = (sets.clone(), sets[0].clone());
+            doubt.discrepancy = Some(kind);
             doubt.posterior.log_evidence = best + more;
+            doubt.posterior.predictions.iter_mut().flatten().for_each(|force| *force *= factor);
             search.repair(&mut sets, &[doubt]);
             evidence(&sets[alone])
         };
-        assert!((repaired(0.9 * BEHIND) - right).abs() < STUCK);
-        assert_eq!(repaired(1.1 * BEHIND), -1e9);
+        assert!((repaired(0.9 * BEHIND, Discrepancy::Residual, 1.0) - right).abs() < STUCK);
+        assert_eq!(repaired(1.1 * BEHIND, Discrepancy::Residual, 1.0), -1e9);
+        // A force that changes nothing that matters is no reason.
+        assert!((repaired(1.1 * BEHIND, Discrepancy::Force, 1.001) - right).abs() < STUCK);
+        assert_eq!(repaired(1.1 * BEHIND, Discrepancy::Force, 1.1), -1e9);
     });
 }

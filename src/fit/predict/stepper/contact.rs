@@ -116,7 +116,7 @@ impl<'r> MovedContact<'r> {
 
     /// The contact with `law` at the first sample, with no force where the displacement is zero.
     pub fn stepper<'s>(&'s self, law: &'s dyn ContactLaw) -> ContactStepper<'s> {
-        let mut stepper = ContactStepper { contact: self, law, state: Vec::new(), next: Vec::new() };
+        let mut stepper = ContactStepper { contact: self, law, state: Vec::new() };
         stepper.rest();
         stepper
     }
@@ -126,18 +126,15 @@ impl<'r> MovedContact<'r> {
 pub(in crate::fit::predict) struct ContactStepper<'s> {
     contact: &'s MovedContact<'s>,
     law: &'s dyn ContactLaw,
-    /// The state before the sample, and room for another.
+    /// The state before the sample.
     pub state: Vec<f64>,
-    pub next: Vec<f64>,
 }
 
 impl ContactStepper<'_> {
     /// Goes to the first sample, at rest there.
     fn rest(&mut self) {
-        for state in [&mut self.state, &mut self.next] {
-            state.clear();
-            state.resize(self.law.state_len(), 0.0);
-        }
+        self.state.clear();
+        self.state.resize(self.law.state_len(), 0.0);
         self.law.set_state(0.0, self.contact.inputs(0).normal_load, 0.0, &mut self.state);
     }
 

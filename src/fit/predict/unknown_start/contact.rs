@@ -31,7 +31,7 @@ impl<'r> ContactOfUnknownStart<'r> {
     fn misfit(&self, law: &dyn ContactLaw, measured: &Measured, initial: &InitialState, value: f64) -> f64 {
         let mut stepper = self.contact.stepper(law);
         let inputs = |index| self.contact.inputs(index);
-        initial.put(law, &inputs, value, &mut stepper.state, &mut stepper.next);
+        initial.put(law, &inputs, value, &mut stepper.state);
         let square = |(index, force): (usize, &f64)| {
             (measured.gain * stepper.force(index) + measured.bias - force).powi(2)
         };
@@ -87,7 +87,7 @@ impl Simulation for ContactOfUnknownStart<'_> {
         let mut stepper = self.contact.stepper(law.as_ref());
         if let [value] = nuisances {
             let inputs = |index| self.contact.inputs(index);
-            self.initial.put(law.as_ref(), &inputs, *value, &mut stepper.state, &mut stepper.next);
+            self.initial.put(law.as_ref(), &inputs, *value, &mut stepper.state);
         }
         stepper.march(out);
         Ok(())

@@ -112,21 +112,20 @@ impl InitialState {
         golden_section((best - spacing).max(self.lower), (best + spacing).min(self.upper), misfit)
     }
 
-    /// Puts the state before the first sample into `state`; `next` is room of the same length.
+    /// Puts the state before the first sample into `state`.
     pub fn put(
         &self,
         law: &dyn ContactLaw,
         inputs: &impl Fn(usize) -> Inputs,
         value: f64,
         state: &mut [f64],
-        next: &mut [f64],
     ) {
         let first = inputs(0);
         match self.hypothesis {
             Hypothesis::FirstLoading => {
                 let [least, largest] = [-FAR, FAR].map(|force| {
                     law.set_state(first.displacement, first.normal_load, force, state);
-                    law.step(state, Inputs { velocity: 0.0, ..first }, next).force
+                    law.advance(state, Inputs { velocity: 0.0, ..first })
                 });
                 let force = 0.5 * ((1.0 - value) * least + (1.0 + value) * largest);
                 law.set_state(first.displacement, first.normal_load, force, state);
@@ -134,15 +133,13 @@ impl InitialState {
             Hypothesis::Cycle => {
                 law.set_state(value, first.normal_load, 0.0, state);
                 for index in 0..self.cycle {
-                    law.step(state, inputs(index), next);
-                    state.copy_from_slice(next);
+                    law.advance(state, inputs(index));
                 }
                 law.restart(state);
             }
             Hypothesis::Unloading => {
                 law.set_state(first.displacement + value, first.normal_load, value.signum() * FAR, state);
-                law.step(state, Inputs { velocity: 0.0, ..first }, next);
-                state.copy_from_slice(next);
+                law.advance(state, Inputs { velocity: 0.0, ..first });
                 law.restart(state);
             }
         }
@@ -200,7 +197,7 @@ mod tests {
         initial.choose(Hypothesis::FirstLoading, &law, 100.0);
         let (mut state, mut next) = (vec![0.0; law.state_len()], vec![0.0; law.state_len()]);
         let mut force = |value| {
-            initial.put(&law, &|_| first, value, &mut state, &mut next);
+            initial.put(&law, &|_| first, value, &mut state);
             law.step(&state, first, &mut next).force
         };
         let spring = 2e5 * 3e-4;
@@ -222,7 +219,7 @@ mod tests {
         // It slipped at 50 N, 25 µm of its spring away, and came back: then a way on through the rest of the gap.
         for (back, onward) in [(30e-6, 5e-6), (100e-6, 75e-6), (200e-6, 175e-6)] {
             assert!((initial.lower..initial.upper).contains(&back));
-            initial.put(&law, &|_| inputs(0.0), back, &mut state, &mut next);
+            initial.put(&law, &|_| inputs(0.0), back, &mut state);
             let force =
                 |displacement: f64, next: &mut [f64]| law.step(&state, inputs(displacement), next).force;
             assert!(force(0.99 * onward, &mut next).abs() < 1e-9, "{back}");
@@ -238,7 +235,7 @@ mod tests {
         initial.choose(Hypothesis::Unloading, &law, 100.0);
         let (mut state, mut next) = (vec![0.0; law.state_len()], vec![0.0; law.state_len()]);
         for (back, expected) in [(1e-5, 30.0), (-1e-5, -30.0), (4e-5, -30.0), (8e-5, -50.0)] {
-            initial.put(&law, &|_| first, back, &mut state, &mut next);
+            initial.put(&law, &|_| first, back, &mut state);
             let force = law.step(&state, first, &mut next).force;
             assert!((force - expected).abs() < 1e-9, "{back}: {force}");
         }
