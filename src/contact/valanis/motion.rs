@@ -186,8 +186,7 @@ impl Curve {
         } else if start.normal_load == end_load {
             self.one_motion(start.hysteretic_force, sign, distance, limit)
         } else {
-            let first =
-                ahead * self.gradual.limit(start.normal_load + FIRST_LOAD * (end_load - start.normal_load));
+            let first = ahead * self.first_limit(start, end_load);
             self.two_motions(start.hysteretic_force, sign, distance, [first, limit])
         };
         let cut = Self::cut(end.hysteretic_force, sign, limit, limit_behind);
@@ -210,6 +209,11 @@ impl Curve {
         end
     }
 
+    /// The mean of both limits (N) of the first motion of a step.
+    fn first_limit(&self, start: &Start, end_load: f64) -> f64 {
+        self.gradual.limit(start.normal_load + FIRST_LOAD * (end_load - start.normal_load))
+    }
+
     /// A force at the end of a step within the limits there. A limit behind the motion that falls faster than the force takes it
     /// along: the mean counts.
     fn cut(force: f64, sign: f64, limit: f64, behind: f64) -> f64 {
@@ -223,8 +227,7 @@ impl Curve {
         let force = if start.normal_load == end_load {
             self.moved(start.hysteretic_force, sign, distance, ahead * limit).end
         } else {
-            let load = start.normal_load + FIRST_LOAD * (end_load - start.normal_load);
-            let first = ahead * self.gradual.limit(load);
+            let first = ahead * self.first_limit(start, end_load);
             let first = self.moved(start.hysteretic_force, sign, FIRST_FRACTION * distance, first).end;
             self.moved(first, sign, (1.0 - FIRST_FRACTION) * distance, ahead * limit).end
         };

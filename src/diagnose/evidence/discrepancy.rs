@@ -31,6 +31,13 @@ pub(in crate::diagnose) enum Discrepancy {
     Residual,
 }
 
+impl Discrepancy {
+    /// Whether it is relevant where it makes predictions `with` of those `without` it: the smallest size of a residual is.
+    pub(super) fn matters(self, data: &Measured, with: &[Vec<f64>], without: &[Vec<f64>]) -> bool {
+        self == Self::Residual || data.relevance(with, without) >= data.assumptions().relevant
+    }
+}
+
 /// A hypothesis with a discrepancy to first order: the most probable size of it, the log evidence, and where a whole fit
 /// would start.
 pub(super) struct Doubt {

@@ -199,10 +199,8 @@ pub(super) fn added(
 /// Log evidence of a discrepancy beside a hypothesis over that of none; positive where something relevant is missing.
 pub(super) fn doubt(data: &Measured, of: &Posterior) -> Result<f64, String> {
     let doubt = discrepancy::about(data, of)?;
-    // A residual's smallest size is a relevant one.
-    let force = doubt.kind == Discrepancy::Force;
-    let small = force && data.relevance(&doubt.predictions, &of.predictions) < data.assumptions().relevant;
-    Ok(if small { f64::NEG_INFINITY } else { doubt.log_evidence - of.log_evidence })
+    let matters = doubt.kind.matters(data, &doubt.predictions, &of.predictions);
+    Ok(if matters { doubt.log_evidence - of.log_evidence } else { f64::NEG_INFINITY })
 }
 
 /// Log evidence that the residual of `predictions`, however small, is more than the noise that is known.

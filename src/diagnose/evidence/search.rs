@@ -29,6 +29,11 @@ impl Set {
         self.members.len() + usize::from(self.discrepancy.is_some())
     }
 
+    /// Whether it is `set` as that stands, with a discrepancy or without.
+    pub fn is_of(&self, set: &Set) -> bool {
+        self.members == set.members && self.posterior.y == set.posterior.y
+    }
+
     /// Whether it has these members, in any order, and no discrepancy.
     pub fn has_just(&self, members: &[usize]) -> bool {
         self.discrepancy.is_none()
@@ -136,10 +141,7 @@ impl Search<'_, '_, '_> {
     fn last_doubt(&self, sets: &[Set], known: &[Set]) -> Option<Set> {
         let best =
             sets.iter().filter(|set| !set.screened).max_by(|a, b| evidence(a).total_cmp(&evidence(b)))?;
-        if known.iter().any(|known| known.members == best.members && known.posterior.y == best.posterior.y) {
-            return None;
-        }
-        self.doubted(best)
+        if known.iter().any(|known| known.is_of(best)) { None } else { self.doubted(best) }
     }
 
     /// Reports a stage that was done.

@@ -72,11 +72,8 @@ impl Search<'_, '_, '_> {
         let best = order.iter().map(|k| evidence(&sets[*k])).fold(f64::NEG_INFINITY, f64::max);
         let doubted = |k: &usize| {
             let set = &sets[*k];
-            let mut with = known
-                .iter()
-                .find(|with| with.members == set.members && with.posterior.y == set.posterior.y)
-                .cloned()
-                .or_else(|| self.doubted(set))?;
+            let mut with =
+                known.iter().find(|with| with.is_of(set)).cloned().or_else(|| self.doubted(set))?;
             let force = with.discrepancy == Some(Discrepancy::Force);
             if force && (evidence(&with) - best).abs() < BEHIND {
                 self.doubt_in_full(set, &mut with);
@@ -132,13 +129,12 @@ impl Search<'_, '_, '_> {
         }
     }
 
-    /// Whether the discrepancy of `doubt` changes what its set among `sets` predicts by what is relevant, or stands for a residual.
+    /// Whether the discrepancy of `doubt` matters beside its set among `sets`.
     fn matters(&self, doubt: &Set, sets: &[Set]) -> bool {
         let without = sets.iter().find(|set| set.has_just(&doubt.members));
-        let changed =
-            |set: &Set| self.data.relevance(&doubt.posterior.predictions, &set.posterior.predictions);
-        doubt.discrepancy == Some(Discrepancy::Residual)
-            || without.map(changed).is_some_and(|changed| changed >= self.data.assumptions().relevant)
+        doubt.discrepancy.zip(without).is_some_and(|(kind, without)| {
+            kind.matters(self.data, &doubt.posterior.predictions, &without.posterior.predictions)
+        })
     }
 
     /// Looks again at those that fit worse than a set of one member less, from there: what the smaller can the larger can, too.
