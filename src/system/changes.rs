@@ -1,6 +1,9 @@
 //! What effects change of a structure. It is made part of the structure's description before any solver sees it.
 
+use std::f64::consts::TAU;
 use std::fmt;
+
+use super::ports::Element;
 
 /// A place of a structure.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,4 +47,12 @@ pub struct HangingMass {
     pub mass: f64,
     /// Natural frequency with the contact held (Hz).
     pub frequency: f64,
+}
+
+impl HangingMass {
+    /// The resonator at `port`, a place in [`System::ports`](crate::system::System::ports), damped by `damping_ratio` (1).
+    pub(crate) fn at(&self, port: usize, damping_ratio: f64) -> Element {
+        let angular_frequency = TAU * self.frequency;
+        Element::Resonator { port, mass: self.mass, angular_frequency, damping_ratio }
+    }
 }

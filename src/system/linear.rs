@@ -72,11 +72,16 @@ pub struct NaturalModes {
 }
 
 impl System {
-    /// The linear part as matrices: the core with the springs between its ports. A contact per law, in the order of the
+    /// The linear part as matrices: the core with the springs between its ports, resonators
+    /// [`expanded`](System::expanded). A contact per law, in the order of the
     /// elements; the outputs are the sensors.
     ///
     /// Left out are the shortening `½ qᵀ G q`, flexibilities in series, and forces from outside.
     pub fn linear_part(&self) -> LinearStructure {
+        self.expanded().linear_part_of_expanded()
+    }
+
+    fn linear_part_of_expanded(&self) -> LinearStructure {
         let (size, mass, damping, mut stiffness) = match &self.core {
             Core::Modal { angular_frequency, damping_ratio } => {
                 let frequencies = angular_frequency.iter();

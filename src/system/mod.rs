@@ -14,6 +14,7 @@ pub mod pin_rig;
 mod ports;
 #[cfg(feature = "analysis")]
 mod receptance;
+mod resonator;
 
 pub use beam::{
     Beam, Damping, ModalBeam, PointMass, Sensor, rotational_stiffness_from_frequency,

@@ -169,6 +169,18 @@ pub enum Element {
         /// M (kg).
         mass: [[f64; 2]; 2],
     },
+    /// A mass on a spring that follows a port: `m p̈ + 2 ζ ω m ṗ + m ω² (p − u) = 0`, `F = m ω² (u − p)`. Solvers that know
+    /// none take [`System::expanded`].
+    Resonator {
+        /// Where it hangs, as a place in [`System::ports`].
+        port: usize,
+        /// m (kg).
+        mass: f64,
+        /// ω (rad/s), the port held.
+        angular_frequency: f64,
+        /// ζ (1), of a damper between the mass and the ground.
+        damping_ratio: f64,
+    },
     /// A restoring force (N) given from outside, as by another simulator.
     Outside {
         /// Where, as a place in [`System::ports`].
@@ -180,7 +192,9 @@ impl Element {
     /// Where it acts, as places in [`System::ports`].
     pub fn ports(&self) -> &[usize] {
         match self {
-            Self::Law { port, .. } | Self::Outside { port } => std::slice::from_ref(port),
+            Self::Law { port, .. } | Self::Resonator { port, .. } | Self::Outside { port } => {
+                std::slice::from_ref(port)
+            }
             Self::Springs { ports, .. } | Self::SlipSlap { ports, .. } | Self::Inertia { ports, .. } => ports,
         }
     }

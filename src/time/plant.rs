@@ -104,6 +104,7 @@ impl Springs {
 
 impl Plant {
     pub fn new(system: &System) -> Result<Self, SystemError> {
+        let system = system.expanded();
         let size = system.core.size();
         if size == 0 {
             return Err(SystemError::Length { field: "angular_frequency", expected: 1, found: 0 });
@@ -119,13 +120,13 @@ impl Plant {
                 (modes, Some(shapes))
             }
         };
-        check_shortening(system, size, shapes.is_some())?;
+        check_shortening(&system, size, shapes.is_some())?;
         let mut ports = Vec::with_capacity(system.ports.len());
         for port in &system.ports {
             ports.push(modal_port(port, size, shapes.as_ref().map(|(shapes, _)| shapes))?);
         }
-        let (contacts, springs, memory_len) = elements(system)?;
-        check_ports(system)?;
+        let (contacts, springs, memory_len) = elements(&system)?;
+        check_ports(&system)?;
         let (angular_frequency, damping_ratio, damping) = modes;
         Ok(Self {
             angular_frequency,
@@ -345,6 +346,7 @@ fn elements(system: &System) -> Result<(Vec<Contact>, Vec<Springs>, usize), Syst
             Element::Outside { port } => (*port, None, 0.0),
             Element::SlipSlap { .. } => return Err(SystemError::TwoDirections),
             Element::Inertia { .. } => return Err(SystemError::InertiaAtPorts),
+            Element::Resonator { .. } => continue, // in the expanded form there are none
             Element::Springs { ports, stiffness } => {
                 springs.push(Springs { ports: *ports, stiffness: *stiffness });
                 continue;

@@ -91,7 +91,7 @@ fn energy_balances_to_1e_6_a_cycle_with_every_effect() {
     {
         model = with(&model, id, values);
     }
-    let system = model.system().unwrap();
+    let system = model.system().unwrap().expanded().into_owned();
     let missing = |of: usize| {
         let mut steps = ClassicalSteps::new(&system).unwrap();
         let mut motion = steps.rest();

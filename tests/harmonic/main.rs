@@ -11,6 +11,7 @@ mod cycle;
 mod cycle_laws;
 mod dual_mode;
 mod held_response;
+mod hung;
 mod interrupt;
 mod joint;
 mod laws;

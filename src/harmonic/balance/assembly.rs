@@ -63,7 +63,9 @@ impl Assembly {
 
     /// Whether the system is condensed to its ports by receptance: all that have an element are linear.
     pub(crate) fn is_condensed(&self) -> bool {
-        let modal = |element: &Element| matches!(element, Element::SlipSlap { .. } | Element::Inertia { .. });
+        let modal = |element: &Element| {
+            matches!(element, Element::SlipSlap { .. } | Element::Inertia { .. } | Element::Resonator { .. })
+        };
         if self.system.elements.iter().any(modal) {
             return false;
         }

@@ -178,6 +178,9 @@ fn mode_of(
 ) -> Result<NonlinearMode, HarmonicError> {
     assembly.check()?;
     settings.check()?;
+    // Near the free vibrations of what hangs at the contact the port hardly moves: coordinates of its own tell more.
+    let expanded = Assembly { system: assembly.system.expanded().into_owned(), ..assembly.clone() };
+    let assembly = &expanded;
     let acts = |element: &Element| !matches!(element, Element::Outside { .. });
     if !assembly.system.elements.iter().any(acts) {
         return Err(HarmonicError::InvalidInput("a structure without contacts has linear modes only"));
@@ -232,7 +235,7 @@ fn mode_in_modes(
     if let (true, Some(stiffness)) = (system.has_contact(), at_rest(&assembly.system).next()) {
         force[1] = stiffness * start.displacement(&structure.contacts[0]) * first;
     }
-    let x = system.unknowns_of(&modal, &force);
+    let x = system.unknowns_of(&modal, &force, start.angular_frequency);
     follow(&mut system, &start, x, held, (settings, on_point))
 }
 

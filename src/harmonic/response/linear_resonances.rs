@@ -69,6 +69,7 @@ fn resonances(structure: &LinearStructure) -> Vec<LinearResonance> {
 /// Slopes (N/m) of the laws' forces at rest, each behind the flexibility of its port; then those of contacts in two directions, along
 /// and across.
 pub(crate) fn at_rest(system: &System) -> impl Iterator<Item = f64> {
+    let system = system.expanded();
     let slip_slaps = system.elements.iter().flat_map(|element| match element {
         Element::SlipSlap { contact, .. } => {
             let normal = contact.normal();
@@ -80,7 +81,7 @@ pub(crate) fn at_rest(system: &System) -> impl Iterator<Item = f64> {
         let stiffness = tangent_stiffness(law.as_ref(), normal_load);
         stiffness / (1.0 + system.ports[port].flexibility * stiffness)
     });
-    laws.chain(slip_slaps)
+    laws.chain(slip_slaps).collect::<Vec<f64>>().into_iter()
 }
 
 /// Slope (N/m) of the force of a contact at rest that remembers nothing.

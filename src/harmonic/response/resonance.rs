@@ -207,14 +207,14 @@ impl Solver {
         let ratio = acceleration / start.acceleration_amplitude;
         let scaled: Vec<f64> = start.coefficients.iter().map(|q| ratio * q).collect();
         let force: Vec<f64> = start.contact_force.iter().map(|force| ratio * force).collect();
-        let x = balance.unknowns_of(&scaled, &force);
+        let x = balance.unknowns_of(&scaled, &force, start.angular_frequency);
         Some(Solution { x, at: Operating::forced(start.angular_frequency, ratio * start.force_amplitude) })
     }
 
     fn guess(&mut self, acceleration: f64) -> Result<Solution, HarmonicError> {
         self.balance.forget();
         let (frequency, force) = guess::resonance(&mut self.balance, acceleration)?;
-        Ok(Solution { x: self.balance.start(), at: Operating::forced(frequency, force) })
+        Ok(Solution { x: self.balance.start(frequency), at: Operating::forced(frequency, force) })
     }
 
     /// Newton's method from `solution`.

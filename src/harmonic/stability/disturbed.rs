@@ -134,7 +134,10 @@ impl<'a> Disturbed<'a> {
                 Element::Springs { ports, stiffness } => {
                     springs.push((ports.map(|port| &modal.ports[port]), *stiffness));
                 }
-                Element::SlipSlap { .. } | Element::Inertia { .. } | Element::Outside { .. } => {}
+                Element::Resonator { .. } // in the expanded form there are none
+                | Element::SlipSlap { .. }
+                | Element::Inertia { .. }
+                | Element::Outside { .. } => {}
             }
         }
         let system = Cow::Owned(System::new(&channels(modal))?);

@@ -99,7 +99,8 @@ pub fn floquet(
 
 /// Multipliers of the periodic motion of `system`, in modal coordinates, at `angular_frequency` (rad/s). Its modes move by
 /// the Fourier coefficients `modes` (m √kg), `[a0, c1, s1, …]` mode after mode, and its laws, in the order of the elements,
-/// by `displacement` (m): what a flexibility in series leaves of that of the port.
+/// by `displacement` (m): what a flexibility in series leaves of that of the port. Coordinates of resonators, in the
+/// system's [`expanded`](System::expanded) form, come behind its own.
 ///
 /// ```
 /// use stickslip::harmonic::stability::floquet_in_modes;
@@ -126,7 +127,7 @@ pub fn floquet_in_modes(
     displacement: &[&[f64]],
     angular_frequency: f64,
 ) -> Result<Multipliers, HarmonicError> {
-    let modal = ModalSystem::new(system)?;
+    let modal = ModalSystem::new(&system.expanded())?;
     let bent = bent(&modal, modes, displacement, angular_frequency)?;
     Ok(Multipliers { values: tangents::multipliers_of(&bent, &mut |_| false, Budget::unlimited())? })
 }

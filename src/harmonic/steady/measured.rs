@@ -3,10 +3,11 @@
 use nalgebra::Complex;
 
 use crate::harmonic::balance::modal::Balance;
+use crate::harmonic::newton::system::Operating;
 
 /// Modal coefficients, mode after mode, and coefficients of the contact's force (N) with which the linear part of the
-/// beam moves as measured: harmonic by harmonic the one force at the contact that explains the sensors best, by least
-/// squares. `excitation` (N) and `motion` are by coefficients: `motion` has the displacement coefficients (m) of every sensor; where all are zero there is no force.
+/// beam moves as measured: harmonic by harmonic the one force at the contact, less what hangs there, that explains the
+/// sensors best, by least squares. `excitation` (N) and `motion` are by coefficients: `motion` has the displacement coefficients (m) of every sensor; where all are zero there is no force.
 pub(super) fn explained(
     balance: &Balance,
     angular_frequency: f64,
@@ -17,6 +18,7 @@ pub(super) fn explained(
     let (contact_shape, sensors) = (balance.contact_shape(), balance.sensors());
     let mut coefficients = vec![0.0; modes * count];
     let mut force = vec![0.0; balance.displacement().len()];
+    let operating = Operating::forced(angular_frequency, 1.0);
     for order in 1..=count / 2 {
         let speed = order as f64 * angular_frequency;
         let at = |values: &[f64]| match values.get(2 * order - 1..=2 * order) {
@@ -46,8 +48,12 @@ pub(super) fn explained(
             }
         }
         let contact = if size > 0.0 { found / size } else { Complex::new(0.0, 0.0) };
-        if contact.re.is_finite() && contact.im.is_finite() {
-            (force[2 * order - 1], force[2 * order]) = (contact.re, -contact.im);
+        let given = along(contact_shape, &system.driven) * pushed
+            - along(contact_shape, contact_shape) * contact
+            - contact * balance.flexibility();
+        let of_law = contact - balance.hung_stiffness(&operating, order) * given;
+        if of_law.re.is_finite() && of_law.im.is_finite() {
+            (force[2 * order - 1], force[2 * order]) = (of_law.re, -of_law.im);
         }
         for mode in 0..modes {
             let acting = pushed * system.driven[mode] - contact * contact_shape[mode];

@@ -168,7 +168,7 @@ impl SteadyProblem {
     ) -> Result<Start, HarmonicError> {
         let mut balance = self.balance(assembly, &Ports::of(&assembly.system), left.take())?;
         let (coefficients, force) = explained(&balance, self.angular_frequency, &self.coefficients, motion);
-        let unknowns = balance.unknowns_of(&coefficients, &force);
+        let unknowns = balance.unknowns_of(&coefficients, &force, self.angular_frequency);
         let start = Start::of(&balance, &unknowns, None);
         *left = Some(balance.into_workspace());
         Ok(start)
@@ -199,7 +199,7 @@ impl SteadyProblem {
             }
             fresh = residual > GOOD_FACTORS * before;
             if fresh {
-                balance.differentiate(at.angular_frequency);
+                balance.differentiate(at);
                 factors.reset(unknowns.len()).copy_from_slice(balance.jacobian().as_slice());
                 if !factors.factor() {
                     return false;

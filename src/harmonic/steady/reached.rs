@@ -37,7 +37,7 @@ impl SteadyProblem {
         let no_period = HarmonicError::InvalidInput("the system cannot be stepped through a period");
         let Period { modes, force } = self.settled(assembly).ok_or(no_period)?;
         let mut balance = self.balance(assembly, &Ports::of(&assembly.system), None)?;
-        let unknowns = balance.unknowns_of(&modes, &force);
+        let unknowns = balance.unknowns_of(&modes, &force, self.angular_frequency);
         Ok(Start::of(&balance, &unknowns, None))
     }
 
@@ -51,7 +51,8 @@ impl SteadyProblem {
         let settings = Settings { tolerance: TOLERANCE, step_limit: MOST_STEPS / instants };
         let mut motion = integrator.rest(inputs.first()?).ok()?;
         let mut force = vec![0.0; instants];
-        let mut modes = vec![vec![0.0; instants]; motion.modes()];
+        // Coordinates of what hangs at the contact come behind those of the modes.
+        let mut modes = vec![vec![0.0; instants]; assembly.system.core.size()];
         let project = |samples: &[f64], harmonics: usize| {
             let mut coefficients = vec![0.0; coefficient_count(self.contact_harmonics)];
             basis.project(samples, &mut coefficients);

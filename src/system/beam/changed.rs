@@ -1,11 +1,8 @@
-//! What effects change of the beam: masses and the clamp change its modes, a hanging mass adds one, stretching and
-//! drag are forces that the solvers add.
+//! What effects change of the beam: masses and the clamp change its modes; stretching, drag and what hangs at the contact
+//! are elements.
 
-use nalgebra::{DMatrix, SymmetricEigen};
-
-use super::check;
-use crate::system::{Beam, HangingMass, ModalBeam, Place, PointMass, StructureChanges, StructureError};
-use crate::vocabulary;
+use super::checks::check_hung;
+use crate::system::{Beam, ModalBeam, Place, PointMass, StructureChanges, StructureError};
 
 impl Beam {
     /// The beam with the masses and the clamp of `changes`; its sensors stay where they are.
@@ -41,11 +38,11 @@ impl ModalBeam {
     /// Reduces a beam with `changes` to its modes; without changes this is [`ModalBeam::new`].
     ///
     /// A clamp that has a spring already gets the other in series. A hanging mass follows the contact's displacement
-    /// and is damped like the first mode; each adds a mode, and damping that
-    /// couples the new modes is left out. Sensors are where the unchanged beam has them.
+    /// and is damped like the first mode. Sensors are where the unchanged beam has them.
     ///
     /// # Errors
-    /// As [`ModalBeam::new`]; [`StructureError::NotOnTheBeam`] for a mass that is not at a position.
+    /// As [`ModalBeam::new`]; [`StructureError::NotOnTheBeam`] for a mass that is not at a position,
+    /// [`StructureError::OutOfBounds`] for a hanging mass or its frequency that is not positive.
     ///
     /// ```
     /// use stickslip::system::{Beam, Damping, ModalBeam, Place, PointMass, StructureChanges};
@@ -67,9 +64,8 @@ impl ModalBeam {
         let mut modal = Self::linear(&beam.changed(changes)?)?;
         modal.stretching_stiffness = modal.stretching(beam, changes.cubic_stiffness)?;
         modal.quadratic_damping = changes.quadratic_damping;
-        for hanging in &changes.hanging_masses {
-            modal.hang(hanging)?;
-        }
+        check_hung(&changes.hanging_masses)?;
+        modal.hung.clone_from(&changes.hanging_masses);
         Ok(modal)
     }
 
@@ -88,99 +84,5 @@ impl ModalBeam {
         let per_displacement = shortening / (lever * lever);
         let stiffness = cubic_stiffness / (per_displacement * per_displacement);
         if stiffness.is_finite() { Ok(stiffness) } else { Err(refused(stiffness)) }
-    }
-
-    /// Hangs a resonator at the contact, behind the flexibility a that is in series with it.
-    ///
-    /// Contact and resonator, a spring k to a mass at p, pull with `F = T + k (u − p)` at a point that yields,
-    /// `u = c·q − h − a F` with the shortening `h = ½ qᵀ G q`. With `s = 1/(1 + a k)` that is a contact at
-    /// `u = s (c·q + a k p − h) − s a T`, the same equations with another shape, shortening and flexibility, and the
-    /// potential `½ s k (c·q − p − h)²`: a spring between the modes and p, stretching, and what couples h to the
-    /// string's stretch.
-    fn hang(&mut self, hanging: &HangingMass) -> Result<(), StructureError> {
-        check("effect.mass".into(), hanging.mass, &vocabulary::MASS)?;
-        check("effect.hanging_frequency".into(), hanging.frequency, &vocabulary::HANGING_FREQUENCY)?;
-        let modes = self.angular_frequency.len();
-        let natural = std::f64::consts::TAU * hanging.frequency;
-        // The resonator's own coordinate has a mass of one, as the modes have.
-        let root = natural * hanging.mass.sqrt();
-        let yielding = self.axial_flexibility * root * root;
-        let fraction = 1.0 / (1.0 + yielding);
-        let soft = fraction.sqrt();
-        let lever: Vec<f64> =
-            self.contact_shape.iter().map(|c| soft * root * c).chain([-soft * natural]).collect();
-        let own = |index: usize| self.angular_frequency.get(index).map_or(0.0, |omega| omega * omega);
-        let stiffness = DMatrix::from_fn(modes + 1, modes + 1, |i, j| {
-            lever[i] * lever[j] + if i == j { own(i) } else { 0.0 }
-        });
-        let ratio = self.damping_ratio.first().copied().unwrap_or(0.0);
-        let rates: Vec<f64> = self
-            .angular_frequency
-            .iter()
-            .zip(&self.damping_ratio)
-            .map(|(omega, zeta)| 2.0 * zeta * omega)
-            .chain([2.0 * ratio * natural])
-            .collect();
-        let failed = |value| StructureError::NotComputable { quantity: "mode with a hanging mass", value };
-        let eigen = SymmetricEigen::try_new(stiffness, f64::EPSILON, 0).ok_or_else(|| failed(f64::NAN))?;
-        let mut order: Vec<usize> = (0..=modes).collect();
-        order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
-        if let Some(square) =
-            order.iter().map(|mode| eigen.eigenvalues[*mode]).find(|x| x.is_nan() || *x <= 0.0)
-        {
-            return Err(failed(square));
-        }
-        let mut shapes = eigen.eigenvectors.select_columns(&order);
-        let contact: Vec<f64> = self.contact_shape.iter().copied().chain([0.0]).collect();
-        // Every mode keeps the sign that the unhung beam's modes have at the contact.
-        let sign = self.contact_shape.iter().sum::<f64>().signum();
-        for mut shape in shapes.column_iter_mut() {
-            if sign * shape.iter().zip(&contact).map(|(x, c)| x * c).sum::<f64>() < 0.0 {
-                shape.neg_mut();
-            }
-        }
-        // In terms of s h, which the shortening now means.
-        let string = root * root;
-        self.stretching_stiffness =
-            self.stretching_stiffness / (fraction * fraction) + 0.5 * string / fraction;
-        let before = self.string_stiffness / fraction;
-        self.string_stiffness = before + string;
-        self.string_stretch.resize(modes + 1, 0.0);
-        let own = self.contact_shape.iter().copied().chain([-1.0 / hanging.mass.sqrt()]);
-        for (stretch, own) in self.string_stretch.iter_mut().zip(own) {
-            *stretch = (before * *stretch + string * own) / self.string_stiffness;
-        }
-        self.contact_shape.iter_mut().for_each(|c| *c *= fraction);
-        self.contact_shape.push(fraction * self.axial_flexibility * natural * root);
-        self.axial_flexibility *= fraction;
-        self.shortening.iter_mut().for_each(|g| *g *= fraction);
-        self.transform(&shapes, &rates, |mode| eigen.eigenvalues[order[mode]].sqrt());
-        Ok(())
-    }
-
-    /// Goes over to the modes that are the columns of `shapes`, one more than there are now.
-    fn transform(&mut self, shapes: &DMatrix<f64>, rates: &[f64], frequency: impl Fn(usize) -> f64) {
-        let modes = self.angular_frequency.len();
-        let turned = |shape: &[f64]| -> Vec<f64> {
-            shapes.column_iter().map(|column| column.iter().zip(shape).map(|(x, s)| x * s).sum()).collect()
-        };
-        let kept = shapes.rows(0, modes);
-        let shortening = kept.transpose() * DMatrix::from_row_slice(modes, modes, &self.shortening) * kept;
-        self.contact_shape = turned(&self.contact_shape);
-        self.excitation_shape = turned(&self.excitation_shape);
-        self.string_stretch = turned(&self.string_stretch);
-        for sensor in self.sensors.iter_mut().chain(&mut self.contact_points) {
-            sensor.shape = turned(&sensor.shape);
-        }
-        self.angular_frequency = (0..=modes).map(&frequency).collect();
-        self.damping_ratio = shapes
-            .column_iter()
-            .zip(&self.angular_frequency)
-            .map(|(column, omega)| {
-                column.iter().zip(rates).map(|(x, rate)| x * x * rate).sum::<f64>() / (2.0 * omega)
-            })
-            .collect();
-        // Symmetric to the last bit, whatever the products' rounding.
-        self.shortening = (&shortening + shortening.transpose()).scale(0.5).iter().copied().collect();
     }
 }

@@ -1,7 +1,7 @@
 //! What a beam's description may say.
 
 use super::description::{Beam, Damping};
-use crate::system::StructureError;
+use crate::system::{HangingMass, StructureError};
 use crate::vocabulary::{self, Quantity};
 
 /// Most modes of a beam. The 40th has 20 waves over the length: a beam 100 times as long as thick has
@@ -69,6 +69,14 @@ pub(in crate::system) fn check_attachments(beam: &Beam) -> Result<(), StructureE
         check_position(format!("contact_point[{index}].position"), position, beam.length)?;
     }
     Ok(())
+}
+
+/// What hangs at the contact.
+pub(in crate::system) fn check_hung(hung: &[HangingMass]) -> Result<(), StructureError> {
+    hung.iter().try_for_each(|one| {
+        check("effect.mass".into(), one.mass, &vocabulary::MASS)?;
+        check("effect.hanging_frequency".into(), one.frequency, &vocabulary::HANGING_FREQUENCY)
+    })
 }
 
 pub(in crate::system) fn check_damping(damping: &Damping, modes: usize) -> Result<(), StructureError> {

@@ -3,16 +3,16 @@
 use std::sync::Arc;
 
 use crate::contact::{ContactLaw, Drag};
-use crate::system::{Core, Element, Port, Row, StructureError, System};
+use crate::system::{Core, Element, HangingMass, Port, Row, StructureError, System};
 
 /// A beam reduced to mass-normalised modes with a contact at its end.
 ///
 /// `q̈ᵢ + 2 ζᵢ ωᵢ q̇ᵢ + ωᵢ² qᵢ + T [cᵢ − Σⱼ Gᵢⱼ qⱼ] = f φᵢ(S)` and, at the contact,
 /// `u = Σ cᵢ qᵢ − ½ qᵀ G q − T · axial_flexibility` with `cᵢ = r φᵢ'(L)`.
 ///
-/// Effects add to the left-hand side of mode i stretching of the mid-plane, `κ e Σⱼ Gᵢⱼ qⱼ` with `e = qᵀ G q`, what the
-/// shortening does to the string of a hanging mass, `− k (y Σⱼ Gᵢⱼ qⱼ + ½ e sᵢ)` with `y = Σ sᵢ qᵢ`, and
-/// drag at the excitation, `d |ẏ| ẏ φᵢ(S)` with `y = Σ φᵢ(S) qᵢ`; see [`ModalBeam::with_changes`].
+/// Effects add to T the pull of what hangs at the contact and to the left-hand side of mode i stretching of the mid-plane,
+/// `κ e Σⱼ Gᵢⱼ qⱼ` with `e = qᵀ G q`, and drag at the excitation, `d |ẏ| ẏ φᵢ(S)` with `y = Σ φᵢ(S) qᵢ`; see
+/// [`ModalBeam::with_changes`].
 ///
 /// Every mode has a positive slope at the contact, so `contact_shape` has the sign of the offset.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,24 +32,15 @@ pub struct ModalBeam {
     pub axial_flexibility: f64,
     /// κ (N/m): stretching, the derivative of the potential `κ/4 (qᵀ G q)²`; 0 for none.
     pub stretching_stiffness: f64,
-    /// k (N/m): of the string, the derivative of the potential `− k y ½ qᵀ G q`; 0 for none.
-    pub string_stiffness: f64,
-    /// sᵢ (kg^-1/2): by how much each mode stretches the string; empty for none.
-    pub string_stretch: Vec<f64>,
     /// d (N s²/m²): drag at the excitation; 0 for none.
     pub quadratic_damping: f64,
+    /// Resonators hung at the contact, which follow u; none of them is in the modes.
+    pub hung: Vec<HangingMass>,
     /// Sensors.
     pub sensors: Vec<Sensor>,
     /// Where forces from outside push across the beam besides the contact at its end: each adds `Tₖ φᵢ(xₖ)` to the
     /// left-hand side of mode i.
     pub contact_points: Vec<Sensor>,
-}
-
-impl ModalBeam {
-    /// Whether anything but a contact pulls along the beam, by its shortening.
-    pub(crate) fn pulls_along(&self) -> bool {
-        self.stretching_stiffness != 0.0 || self.string_stiffness != 0.0
-    }
 }
 
 /// A sensor on a [`ModalBeam`], or another place of it.
@@ -63,11 +54,10 @@ pub struct Sensor {
 
 impl ModalBeam {
     /// The beam as a system. Ports: the sensors and the contact points (`x=0.55`), `excitation`, `contact`; where
-    /// anything but the contact pulls along the beam `shortening` and `string`. `contact` is the law at the end with its
+    /// the mid-plane stretches `shortening`. `contact` is the law at the end with its
     /// normal load (N); the contact points, and the end without a law, take forces from outside.
     ///
-    /// Stretching has the potential `κ h²` of the shortening h, a string `− k y h` of its stretch y besides: springs
-    /// between the two ports.
+    /// Stretching has the potential `κ h²` of the shortening h.
     ///
     /// # Errors
     /// Lists without one entry per mode, numbers that make no law.
@@ -113,14 +103,14 @@ impl ModalBeam {
             let law = Arc::new(Drag::new(self.quadratic_damping)?);
             elements.push(Element::Law { port: excitation, law, normal_load: 0.0 });
         }
-        if self.pulls_along() {
-            let [shortening, string] = [ports.len(), ports.len() + 1];
+        if self.stretching_stiffness != 0.0 {
+            let shortening = ports.len();
             ports.push(Port { shortening: -1.0, ..Port::linear("shortening", Row::new()) });
-            ports.push(Port::linear("string", row(&self.string_stretch)));
-            let (own, coupled) = (2.0 * self.stretching_stiffness, -self.string_stiffness);
-            let stiffness = [[own, coupled], [coupled, 0.0]];
-            elements.push(Element::Springs { ports: [shortening, string], stiffness });
+            let stiffness = [[2.0 * self.stretching_stiffness, 0.0], [0.0, 0.0]];
+            elements.push(Element::Springs { ports: [shortening; 2], stiffness });
         }
+        let ratio = self.damping_ratio.first().copied().unwrap_or(0.0);
+        elements.extend(self.hung.iter().map(|one| one.at(end, ratio)));
         Ok(System {
             core: Core::Modal {
                 angular_frequency: self.angular_frequency.clone(),
@@ -144,9 +134,6 @@ impl ModalBeam {
         check("contact_shape", modes, self.contact_shape.len())?;
         check("excitation_shape", modes, self.excitation_shape.len())?;
         check("shortening", modes * modes, self.shortening.len())?;
-        if self.string_stiffness != 0.0 {
-            check("string_stretch", modes, self.string_stretch.len())?;
-        }
         self.sensors.iter().try_for_each(|at| check("sensor shape", modes, at.shape.len()))?;
         self.contact_points.iter().try_for_each(|at| check("contact point's shape", modes, at.shape.len()))
     }

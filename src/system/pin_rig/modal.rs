@@ -2,14 +2,12 @@
 
 use super::end::{End, EndMotion};
 use super::{PinRig, PinRigModes};
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use crate::contact::SlipSlap;
-use crate::system::beam::checks::check;
+use crate::system::beam::checks::check_hung;
 use crate::system::beam::damping_ratios;
 use crate::system::{Core, Element, HangingMass, Port, Row, StructureError, System};
-use crate::vocabulary;
 
 /// What the pin rests on.
 enum Support {
@@ -79,41 +77,14 @@ impl ModalPinRig {
     /// # Errors
     /// [`StructureError::OutOfBounds`] for a mass or a frequency that is not positive.
     pub fn with_hung(self, hung: &[HangingMass]) -> Result<Self, StructureError> {
-        for one in hung {
-            check("effect.mass".into(), one.mass, &vocabulary::MASS)?;
-            check("effect.hanging_frequency".into(), one.frequency, &vocabulary::HANGING_FREQUENCY)?;
-        }
+        check_hung(hung)?;
         Ok(Self { hung: hung.to_vec(), ..self })
-    }
-
-    /// What the modes are with a coordinate of its own, of mass one, for every resonator: frequencies (rad/s), damping ratios,
-    /// of a resonator that of the first mode, and shortening.
-    fn core(&self) -> (Core, Vec<f64>) {
-        let ratio = self.damping_ratio.first().copied().unwrap_or(0.0);
-        let own = self.hung.iter().map(|one| TAU * one.frequency);
-        let core = Core::Modal {
-            angular_frequency: self.angular_frequency.iter().copied().chain(own).collect(),
-            damping_ratio: self
-                .damping_ratio
-                .iter()
-                .copied()
-                .chain(self.hung.iter().map(|_| ratio))
-                .collect(),
-        };
-        let (modes, all) = (self.angular_frequency.len(), self.angular_frequency.len() + self.hung.len());
-        let mut shortening = vec![0.0; all * all];
-        for (to, from) in
-            shortening.chunks_exact_mut(all.max(1)).zip(self.shortening.chunks_exact(modes.max(1)))
-        {
-            to[..modes].copy_from_slice(from);
-        }
-        (core, shortening)
     }
 
     /// The rig as a system, its contact `contact` or, without one, the springs of the base linear system.
     ///
     /// Ports: the sensors (`x=0.55`), `excitation`, `contact` (ξ), `contact.normal` (η), `stuck` (ξ but for the shortening),
-    /// `hanging` (the mass along the beam, but for the shortening), `shortening` and, of a resonator, `string`.
+    /// `hanging` (the mass along the beam, but for the shortening) and `shortening`.
     ///
     /// The springs in the modes are taken away again where there is a contact. The mass's inertia along the beam is `m ḧ` of
     /// `h = hanging − shortening`; what is linear of it is in the modes.
@@ -155,16 +126,13 @@ impl ModalPinRig {
         };
         let mass = self.hanging_mass;
         elements.push(Element::Inertia { ports: [hanging, shortening], mass: [[0.0, -mass], [-mass, mass]] });
-        for (place, one) in self.hung.iter().enumerate() {
-            let name = if place == 0 { "string".to_owned() } else { format!("string {}", place + 1) };
-            let row = vec![(self.angular_frequency.len() + place, 1.0 / one.mass.sqrt())];
-            ports.push(Port::linear(&name, row));
-            // What the spring does to the mass alone is the resonator's own frequency.
-            let stiffness = one.mass * (TAU * one.frequency).powi(2);
-            elements
-                .push(springs([tangential, ports.len() - 1], [[stiffness, -stiffness], [-stiffness, 0.0]]));
-        }
-        let (core, shortening) = self.core();
-        System { core, shortening, ports, elements, driven: vec![excitation], sensors: sensors.collect() }
+        let ratio = self.damping_ratio.first().copied().unwrap_or(0.0);
+        elements.extend(self.hung.iter().map(|one| one.at(tangential, ratio)));
+        let core = Core::Modal {
+            angular_frequency: self.angular_frequency.clone(),
+            damping_ratio: self.damping_ratio.clone(),
+        };
+        let (shortening, driven) = (self.shortening.clone(), vec![excitation]);
+        System { core, shortening, ports, elements, driven, sensors: sensors.collect() }
     }
 }

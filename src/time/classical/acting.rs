@@ -56,6 +56,7 @@ pub(super) fn elements_of(system: &System) -> Result<(Vec<Acting>, Option<Inerti
                 inertia = Some((*ports, Matrix2::new(*a, *b, *c, *d)));
             }
             Element::Inertia { .. } => return Err(SystemError::InertiaAtPorts),
+            Element::Resonator { .. } => {} // in the expanded form there are none
             Element::Outside { port } => {
                 elements.push(Acting::Outside { port: *port, place: outside });
                 outside += 1;

@@ -63,11 +63,12 @@ impl ClassicalSteps {
     /// # Errors
     /// A system without modal coordinates, with flexibilities in series with ports or more than one [`Element::Inertia`](crate::system::Element::Inertia).
     pub fn new(system: &System) -> Result<Self, SystemError> {
+        let system = system.expanded();
         let Core::Modal { angular_frequency, damping_ratio } = &system.core else {
             return Err(SystemError::NotLinear);
         };
         let size = angular_frequency.len();
-        check_shortening(system, size, false)?;
+        check_shortening(&system, size, false)?;
         let ports =
             system.ports.iter().map(|port| modal_port(port, size, None)).collect::<Result<Vec<_>, _>>()?;
         if let Some(port) = system.ports.iter().find(|port| port.flexibility != 0.0) {
@@ -78,7 +79,7 @@ impl ClassicalSteps {
         for port in &system.driven {
             driven.iter_mut().zip(&ports[*port].row).for_each(|(sum, b)| *sum += b);
         }
-        let (elements, inertia) = elements_of(system)?;
+        let (elements, inertia) = elements_of(&system)?;
         let zero = || vec![0.0; size];
         let buffers = Buffers {
             q: zero(),

@@ -14,7 +14,7 @@ impl Balance {
     /// Response of every mode to the contact's force in harmonics H + 1 to `highest`, at the last evaluation, as
     /// `c − i s`: harmonic after harmonic, all modes of each.
     ///
-    /// That the contact feels this motion in turn is left out.
+    /// That the contact feels this motion in turn is left out; what hangs there does.
     pub fn beyond(&mut self, at: &Operating, highest: usize) -> Vec<Complex<f64>> {
         let (modes, harmonics) = (self.modes(), self.harmonics);
         let contact = match self.acting.first_mut() {
@@ -25,22 +25,50 @@ impl Balance {
         let set = HarmonicSet::full(highest + carrying);
         let mut force = vec![0.0; set.len()];
         contact.cycle.force_on(set, &mut force);
-        let force = |order: usize| Complex::new(force[2 * order - 1], -force[2 * order]);
-        let mut response = Vec::with_capacity(modes * (highest - harmonics));
         // ŵ of harmonic 0, then half of c − i s.
         let arms: Vec<Vec<Complex<f64>>> = (0..modes).map(|mode| self.arm(mode, carrying)).collect();
+        self.hang_on(&mut force, at, |mode| arms[mode][0].re);
+        let force = |order: usize| Complex::new(force[2 * order - 1], -force[2 * order]);
+        let mut response = Vec::with_capacity(modes * (highest - harmonics));
         for order in harmonics + 1..=highest {
             let speed = order as f64 * at.angular_frequency;
             for (mode, arm) in arms.iter().enumerate() {
                 let carried =
                     (1..=carrying).map(|m| arm[m] * force(order - m) + arm[m].conj() * force(order + m));
                 let acting = arm[0] * force(order) + carried.sum::<Complex<f64>>();
-                let natural = self.system.angular_frequency[mode];
-                let damping = 2.0 * self.system.damping_ratio[mode] * natural * speed;
-                response.push(-acting / Complex::new(natural * natural - speed * speed, damping));
+                response.push(-acting / self.dynamic_stiffness(mode, speed));
             }
         }
         response
+    }
+
+    /// Adds to the coefficients of the contact's force what hangs there makes of it, the modes having the levers `arm`.
+    fn hang_on(&self, force: &mut [f64], at: &Operating, arm: impl Fn(usize) -> f64) {
+        if self.hung().next().is_none() {
+            return;
+        }
+        for (place, pair) in force[1..].chunks_exact_mut(2).enumerate() {
+            let (order, first) = (place + 1, 2 * place + 1);
+            let hung = self.hung_stiffness(at, order);
+            let of_law = Complex::new(pair[0], -pair[1]);
+            let all = if first + 1 < self.wide {
+                of_law + hung * Complex::new(self.unknown[first], -self.unknown[first + 1])
+            } else {
+                let speed = order as f64 * at.angular_frequency;
+                let modes = 0..self.modes();
+                let yields: Complex<f64> =
+                    modes.map(|mode| arm(mode).powi(2) / self.dynamic_stiffness(mode, speed)).sum();
+                of_law / (1.0 + hung * (yields + self.ports[0].flexibility))
+            };
+            (pair[0], pair[1]) = (all.re, -all.im);
+        }
+    }
+
+    /// Of a mode, at `speed` (rad/s).
+    fn dynamic_stiffness(&self, mode: usize, speed: f64) -> Complex<f64> {
+        let natural = self.system.angular_frequency[mode];
+        let damping = 2.0 * self.system.damping_ratio[mode] * natural * speed;
+        Complex::new(natural * natural - speed * speed, damping)
     }
 
     /// Harmonics `0..=highest` of `w_i`, the contact's lever on a mode.

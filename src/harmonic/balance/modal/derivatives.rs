@@ -1,7 +1,7 @@
 //! Derivatives of the balance, made when they are asked for.
 
 use super::{Acting, Attached, Balance, Matrices, mean_square, sized};
-use crate::harmonic::newton::system::Scalar;
+use crate::harmonic::newton::system::{Operating, Scalar};
 use crate::harmonic::period::Cycle;
 use nalgebra::{DMatrix, DMatrixViewMut};
 
@@ -50,9 +50,9 @@ impl Balance {
     }
 
     /// B, A⁻¹ B and the derivatives of the forces.
-    pub fn differentiate(&mut self, angular_frequency: f64) {
+    pub fn differentiate(&mut self, at: &Operating) {
         for acting in &mut self.acting {
-            acting.complete(angular_frequency, &self.unknown);
+            acting.complete(at.angular_frequency, &self.unknown);
         }
         let modes = self.modes();
         let (size, rows) = (self.q.len(), self.matrices.weights.nrows());
@@ -66,7 +66,7 @@ impl Balance {
                 part.iter_mut().for_each(|to| *to *= factor);
             }
         }
-        self.differentiate_laws(angular_frequency);
+        self.differentiate_laws(at);
         self.equations.solve_many(&self.matrices.adjoint, &mut self.matrices.moved);
         self.complete = false;
         self.undifferentiated = None;
@@ -76,7 +76,7 @@ impl Balance {
     pub(super) fn catch_up(&mut self) {
         let Some(at) = self.undifferentiated.take() else { return };
         if !self.is_linear() {
-            self.differentiate(at.angular_frequency);
+            self.differentiate(&at);
         }
         for k in 0..self.asked.len() {
             self.differentiate_by(self.asked[k]);
@@ -107,7 +107,7 @@ impl Balance {
     }
 
     /// ∂forces/∂unknowns where there is more than one law.
-    fn differentiate_laws(&mut self, angular_frequency: f64) {
+    fn differentiate_laws(&mut self, at: &Operating) {
         let unknowns = self.residual.len();
         if Self::single(&self.acting, unknowns).is_some() {
             return;
@@ -115,15 +115,15 @@ impl Balance {
         sized(&mut self.matrices.law, unknowns, unknowns);
         self.matrices.law.fill(0.0);
         for acting in &self.acting {
-            acting.differentiate(angular_frequency, &mut self.matrices.law);
+            acting.differentiate(at, &mut self.matrices.law);
         }
     }
 
-    /// ∂forces/∂Ω at fixed unknowns; false where it vanishes.
-    fn force_rates(&mut self, angular_frequency: f64) -> bool {
+    /// ∂forces/∂`scalar` at fixed unknowns; false where it vanishes.
+    fn force_rates(&mut self, scalar: Scalar) -> bool {
         self.rates.fill(0.0);
         for acting in &self.acting {
-            acting.add_rates(angular_frequency, &self.unknown, &mut self.rates);
+            acting.add_rates(&self.equations.at, scalar, &self.unknown, &mut self.rates);
         }
         self.rates.iter().any(|rate| *rate != 0.0)
     }
@@ -132,10 +132,15 @@ impl Balance {
     fn differentiate_by(&mut self, scalar: Scalar) {
         let (modes, index) = (self.modes(), scalar.index());
         let mut right = std::mem::take(&mut self.right);
+        let forces_change = self.force_rates(scalar);
         match scalar {
-            Scalar::AngularFrequency => {
-                self.equations.by_frequency(&self.q, &mut right);
-                if self.force_rates(self.equations.at.angular_frequency) {
+            Scalar::AngularFrequency | Scalar::SelfExcitation => {
+                if scalar == Scalar::AngularFrequency {
+                    self.equations.by_frequency(&self.q, &mut right);
+                } else {
+                    self.equations.by_self_excitation(&self.q, &mut right);
+                }
+                if forces_change {
                     let mut forces = std::mem::take(&mut self.modal_by[index]);
                     self.project(&self.rates, &mut forces);
                     right.iter_mut().zip(&forces).for_each(|(r, c)| *r += c);
@@ -149,10 +154,6 @@ impl Balance {
                     right.iter_mut().zip(&self.system.driven).for_each(|(r, e)| *r = f * e);
                 }
             }
-            Scalar::SelfExcitation => {
-                self.equations.by_self_excitation(&self.q, &mut right);
-                right.iter_mut().for_each(|r| *r = -*r);
-            }
         }
         let moved = &mut self.modal_by[index];
         if right.iter().all(|r| *r == 0.0) || !self.equations.solve(&right, moved) {
@@ -165,7 +166,7 @@ impl Balance {
         {
             by.iter_mut().zip(column).for_each(|(b, w)| *b -= w * q);
         }
-        if scalar == Scalar::AngularFrequency {
+        if forces_change {
             for port in self.ports.iter().filter(|port| port.flexibility != 0.0) {
                 let rates = by[port.rows.clone()].iter_mut().zip(&self.rates[port.rows.clone()]);
                 rates.for_each(|(b, rate)| *b += port.flexibility * rate);

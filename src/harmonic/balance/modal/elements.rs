@@ -6,9 +6,11 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use super::ports::{CondensedPort, Ports};
+use super::resonator::Resonator;
 use crate::contact::SlipSlap;
 use crate::harmonic::balance::assembly::Assembly;
 use crate::harmonic::balance::attached::Attached;
+use crate::harmonic::newton::system::{Operating, Scalar};
 use crate::harmonic::period::Cycle;
 use crate::harmonic::period::map::ContactMap;
 use crate::harmonic::period::pair::PairCycle;
@@ -30,6 +32,8 @@ pub(super) enum Acting {
     Inertia { rows: [Range<usize>; 2], mass: [[f64; 2]; 2] },
     /// A contact in two directions over a period.
     SlipSlap { rows: [Range<usize>; 2], contact: Arc<SlipSlap>, cycle: Box<PairCycle> },
+    /// A mass on a spring that follows the port.
+    Resonator(Resonator),
     /// A damper (N s/m).
     Damper { rows: Range<usize>, damping: f64 },
 }
@@ -66,6 +70,10 @@ pub(super) fn acting(
             let cycle = Box::new(PairCycle::new(harmonics, method.samples_in_motion()));
             Some(Acting::SlipSlap { rows, contact: contact.clone(), cycle })
         }
+        Element::Resonator { port, mass, angular_frequency, damping_ratio } => {
+            let hung = Resonator::new(rows(*port)?, *mass, *angular_frequency, *damping_ratio);
+            Some(Acting::Resonator(hung))
+        }
         Element::Outside { .. } => None,
     };
     system.elements.iter().enumerate().filter_map(one).collect()
@@ -84,6 +92,14 @@ impl Acting {
     pub fn law(&self) -> Option<(&Range<usize>, &Attached)> {
         match self {
             Self::Law { rows, attached } => Some((rows, attached)),
+            _ => None,
+        }
+    }
+
+    /// What hangs at the port of the contact.
+    pub fn hung(&self) -> Option<&Resonator> {
+        match self {
+            Self::Resonator(hung) if hung.rows.start == 0 => Some(hung),
             _ => None,
         }
     }
@@ -118,11 +134,12 @@ impl Acting {
     /// Adds the forces (N) for the unknowns `x`; no derivatives can follow where they are wanted `alone`.
     pub fn act(
         &mut self,
-        angular_frequency: f64,
+        at: &Operating,
         x: &[f64],
         alone: bool,
         forces: &mut [f64],
     ) -> Result<(), HarmonicError> {
+        let angular_frequency = at.angular_frequency;
         match self {
             Self::Law { rows, attached } => {
                 let (u, forces) = (&x[rows.clone()], &mut forces[rows.clone()]);
@@ -150,6 +167,7 @@ impl Acting {
                 add(&mut forces[a.clone()], cycle.force(0), 1.0);
                 add(&mut forces[b.clone()], cycle.force(1), 1.0);
             }
+            Self::Resonator(hung) => hung.act(at, x, forces),
             Self::Damper { rows, damping } => {
                 add_rates(&mut forces[rows.clone()], &x[rows.clone()], *damping * angular_frequency);
             }
@@ -158,7 +176,8 @@ impl Acting {
     }
 
     /// Adds ∂forces/∂unknowns, those of a law being made already.
-    pub fn differentiate(&self, angular_frequency: f64, law_matrix: &mut DMatrix<f64>) {
+    pub fn differentiate(&self, at: &Operating, law_matrix: &mut DMatrix<f64>) {
+        let angular_frequency = at.angular_frequency;
         match self {
             Self::Law { rows, attached } => {
                 let mut block = law_matrix.view_mut((rows.start, rows.start), (rows.len(), rows.len()));
@@ -193,6 +212,7 @@ impl Acting {
                     }
                 }
             }
+            Self::Resonator(hung) => hung.differentiate(at, law_matrix),
             Self::Damper { rows, damping } => {
                 for (order, c) in rows.clone().skip(1).step_by(2).enumerate() {
                     let rate = *damping * angular_frequency * (order + 1) as f64;
@@ -203,13 +223,23 @@ impl Acting {
         }
     }
 
-    /// Adds ∂forces/∂Ω at fixed unknowns `x`.
-    pub fn add_rates(&self, angular_frequency: f64, x: &[f64], rates: &mut [f64]) {
+    /// Adds ∂forces/∂`scalar` at fixed unknowns `x`.
+    pub fn add_rates(&self, at: &Operating, scalar: Scalar, x: &[f64], rates: &mut [f64]) {
+        match self {
+            Self::Resonator(hung) => hung.add_rates(at, scalar, x, rates),
+            _ if scalar == Scalar::AngularFrequency => {
+                self.add_rates_by_frequency(at.angular_frequency, x, rates)
+            }
+            _ => {}
+        }
+    }
+
+    fn add_rates_by_frequency(&self, angular_frequency: f64, x: &[f64], rates: &mut [f64]) {
         match self {
             Self::Law { rows, attached } => {
                 add(&mut rates[rows.clone()], attached.cycle.by_frequency(), 1.0);
             }
-            Self::Springs { .. } => {}
+            Self::Springs { .. } | Self::Resonator(_) => {}
             Self::Inertia { rows, mass } => {
                 for (to, row) in rows.iter().zip(mass) {
                     for (from, mass) in rows.iter().zip(row) {

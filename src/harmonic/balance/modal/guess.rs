@@ -3,9 +3,11 @@
 use nalgebra::{Complex, DMatrix, SymmetricEigen};
 
 use super::Balance;
+use super::resonator::Resonator;
 use crate::harmonic::HarmonicError;
 use crate::harmonic::balance::equivalent::{Equivalent, settle};
-use crate::harmonic::newton::system::PeriodicSystem;
+use crate::harmonic::newton::system::{Operating, PeriodicSystem};
+use crate::numeric::fourier::work_per_cycle;
 
 /// Rounds to find the resonance.
 const ROUNDS: usize = 12;
@@ -34,7 +36,8 @@ pub(crate) fn resonance(balance: &mut Balance, acceleration: f64) -> Result<(f64
     }
     let displacement = acceleration / (angular_frequency * angular_frequency);
     balance.weigh();
-    let loss = balance.viscous_energy(angular_frequency) + balance.dissipated_energy();
+    let lost = work_per_cycle(balance.force(), balance.displacement());
+    let loss = balance.viscous_energy(angular_frequency) + lost;
     Ok((angular_frequency, loss / (std::f64::consts::PI * displacement)))
 }
 
@@ -59,7 +62,7 @@ fn stuck_stiffness(balance: &mut Balance) -> Result<f64, HarmonicError> {
     let mut u = vec![0.0; balance.displacement().len()];
     u[2] = 1e-10;
     balance.forget();
-    let stiffness = balance.contact_force(1.0, &u, balance.ports[0].flexibility)?[2] / u[2];
+    let stiffness = balance.contact_force(1.0, &u, balance.flexibility())?[2] / u[2];
     balance.forget();
     Ok(stiffness.max(0.0))
 }
@@ -77,9 +80,13 @@ fn measure(
         return Ok(Equivalent::default());
     }
     balance.weigh();
-    let u = balance.displacement().to_vec();
+    let series = balance.flexibility();
+    let mut u = balance.displacement().to_vec();
+    // What the contact and its flexibility would move by alone, under the same force.
+    let alone = |hung: Complex<f64>| share(before.stiffness.into(), hung, series);
+    balance.scale(&mut u, alone, &Operating::forced(angular_frequency, 0.0));
     balance.forget();
-    let fraction = (1.0 - balance.ports[0].flexibility * before.stiffness).clamp(0.0, 1.0);
+    let fraction = (1.0 - series * before.stiffness).clamp(0.0, 1.0);
     let kept: Vec<f64> = u.iter().map(|u| fraction * u).collect();
     let force = balance.contact_force(angular_frequency, &kept, 0.0)?;
     let pairs = force[1..].chunks_exact(2).zip(u[1..].chunks_exact(2)).enumerate();
@@ -89,23 +96,49 @@ fn measure(
     Ok(nearest)
 }
 
-/// Frequency and shape of the lowest mode with a spring at the contact.
+/// Displacement that a contact of the stiffness `contact` (N/m), its flexibility `series` (m/N) included, has with it, as a
+/// fraction of the whole, where something of the stiffness `hung` pulls behind the same flexibility.
+fn share(contact: Complex<f64>, hung: Complex<f64>, series: f64) -> Complex<f64> {
+    // v = u (1 − a K) without it, and K = k (1 − a K) of the contact itself.
+    1.0 / (1.0 + series * hung * (1.0 - series * contact))
+}
+
+/// Frequency and shape of the lowest mode with a spring at the contact, and what hangs there.
 fn lowest_mode(balance: &Balance, stiffness: f64) -> (f64, Vec<f64>) {
     let (modes, system, shape) = (balance.modes(), &balance.system, &balance.ports[0].shape);
-    let matrix = DMatrix::from_fn(modes, modes, |i, j| {
-        let diagonal = if i == j { system.angular_frequency[i].powi(2) } else { 0.0 };
-        diagonal + stiffness * shape[i] * shape[j]
+    let hung: Vec<&Resonator> = balance.hung().collect();
+    let remaining = 1.0 - balance.flexibility() * stiffness;
+    let pulls: f64 = hung.iter().map(|hung| hung.stiffness()).sum();
+    // Contact and resonators behind the flexibility a: s Σ k y² − 2 s y Σ k p + Σ k p² − s a (Σ k p)².
+    let series = balance.flexibility() * remaining;
+    let part = 1.0 / (1.0 + series * pulls);
+    let own = |i: usize| match i.checked_sub(modes) {
+        None => system.angular_frequency[i].powi(2),
+        Some(place) => hung[place].natural().powi(2),
+    };
+    // Of y, and of k p.
+    let lever = |i: usize| match i.checked_sub(modes) {
+        None => (shape[i], 0.0),
+        Some(place) => (0.0, hung[place].natural() * hung[place].stiffness().sqrt()),
+    };
+    let size = modes + hung.len();
+    let matrix = DMatrix::from_fn(size, size, |i, j| {
+        let ((y_i, p_i), (y_j, p_j)) = (lever(i), lever(j));
+        let straight = (stiffness + part * remaining * remaining * pulls) * y_i * y_j;
+        let coupled = part * (remaining * (y_i * p_j + p_i * y_j) + series * p_i * p_j);
+        straight - coupled + if i == j { own(i) } else { 0.0 }
     });
     let eigen = SymmetricEigen::new(matrix);
     let lowest = eigen.eigenvalues.imin();
     (eigen.eigenvalues[lowest].max(0.0).sqrt(), eigen.eigenvectors.column(lowest).iter().copied().collect())
 }
 
-/// Response of the beam with a spring and damper at the contact, harmonic by harmonic; the rank-one
+/// Response of the beam with a spring and damper at the contact and what hangs there, harmonic by harmonic; the rank-one
 /// contact is taken into the diagonal receptance by the Sherman–Morrison formula.
 fn linear_response(balance: &mut Balance, angular_frequency: f64, excitation: &[f64], contact: Equivalent) {
     let (system, shape) = (&balance.system, &balance.ports[0].shape);
     let (modes, count) = (balance.modes(), balance.count);
+    let (series, at) = (balance.flexibility(), Operating::forced(angular_frequency, 0.0));
     balance.q.fill(0.0);
     for h in 0..=count / 2 {
         let speed = h as f64 * angular_frequency;
@@ -124,7 +157,8 @@ fn linear_response(balance: &mut Balance, angular_frequency: f64, excitation: &[
             free += receptance(i) * shape * driven * force;
             own += receptance(i) * shape.powi(2);
         }
-        let stiffness = contact.dynamic(speed);
+        let (contact, hung) = (contact.dynamic(speed), balance.hung_stiffness(&at, h));
+        let stiffness = share(contact, hung, series) * (contact + hung * (1.0 - series * contact));
         let held = stiffness * free / (Complex::new(1.0, 0.0) + stiffness * own);
         for (i, (shape, driven)) in shape.iter().zip(&system.driven).enumerate() {
             let x = receptance(i) * (force * driven - held * shape);

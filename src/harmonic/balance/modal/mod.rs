@@ -24,13 +24,14 @@ mod equations;
 pub(crate) mod guess;
 mod periodic;
 mod ports;
+mod resonator;
 #[cfg(test)]
 mod tests;
 mod truncation;
 mod unknowns;
 mod weights;
 
-use nalgebra::DMatrix;
+use nalgebra::{Complex, DMatrix};
 
 use super::assembly::Assembly;
 use super::attached::Attached;
@@ -40,10 +41,11 @@ use crate::harmonic::period::Cycle;
 use crate::harmonic::{HarmonicError, Method, Point};
 use crate::numeric::extremum::Extremum;
 use crate::numeric::fourier::{coefficient_count, work_per_cycle};
-use crate::system::Port;
+use crate::system::{Port, System};
 use elements::{Acting, Maps, acting};
 use equations::ModalEquations;
 use ports::{CondensedPort, completed, named};
+use resonator::Resonator;
 
 pub(crate) use ports::Ports;
 
@@ -106,6 +108,8 @@ impl Workspace {
 #[derive(Debug)]
 pub(crate) struct Balance {
     pub system: ModalSystem,
+    /// As it was given, but for ports without elements.
+    completed: System,
     /// Coefficients per mode, `2H + 1`.
     pub count: usize,
     /// Modal coefficients of the last evaluation, coefficient after coefficient.
@@ -129,6 +133,8 @@ pub(crate) struct Balance {
     /// Coefficients of the forces (N) at all ports, and the unknowns they belong to.
     forces: Vec<f64>,
     unknown: Vec<f64>,
+    /// Coefficients of the force (N) of the contact, without what hangs there.
+    contact_force: Vec<f64>,
     /// `Σ γ_p T_p`: what pulls along the shortening.
     tension: Vec<f64>,
     /// Coefficients of the displacements (m) of all ports by the modes.
@@ -192,6 +198,7 @@ impl Balance {
         second.resize(count, 0.0);
         let mut balance = Self {
             system,
+            completed,
             count,
             q: vec![0.0; size],
             waveform: kept,
@@ -207,6 +214,7 @@ impl Balance {
             acting,
             forces: vec![0.0; unknowns],
             unknown: vec![0.0; unknowns],
+            contact_force: vec![0.0; wide],
             tension: vec![0.0; wide],
             moved: vec![0.0; unknowns],
             rates: vec![0.0; unknowns],
@@ -235,6 +243,11 @@ impl Balance {
     /// b of the contact's port.
     pub fn contact_shape(&self) -> &[f64] {
         &self.ports[0].shape
+    }
+
+    /// a of the contact's port (m/N).
+    pub fn flexibility(&self) -> f64 {
+        self.ports[0].flexibility
     }
 
     /// Rows of the sensors.
@@ -282,9 +295,9 @@ impl Balance {
         self.contact().is_some()
     }
 
-    /// Coefficients of the contact force (N) of the last evaluation.
+    /// Coefficients of the contact force (N) of the last evaluation, without the pull of what hangs at the contact.
     pub fn force(&self) -> &[f64] {
-        &self.forces[..self.wide]
+        &self.contact_force
     }
 
     /// Coefficients `[a0, c1, s1, …]` of every mode, mode after mode, of the last evaluation.
@@ -306,10 +319,9 @@ impl Balance {
         Workspace { extent, maps, equations: self.equations, matrices: self.matrices }
     }
 
-    /// Energy dissipated in the contact per cycle (J) at the last evaluation: the work of the force on
-    /// the displacement before the series spring, which stores and returns its part.
+    /// Energy dissipated in the contact per cycle (J) at the last evaluation.
     pub fn dissipated_energy(&self) -> f64 {
-        work_per_cycle(self.force(), self.displacement())
+        work_per_cycle(self.force(), &self.unknown[..self.wide])
     }
 
     /// The contact alone, driven by `u` given by its coefficients (harmonics `0..=2H`), behind a spring of
@@ -327,7 +339,7 @@ impl Balance {
             let done = attached.evaluate_force(angular_frequency, u, false);
             attached.compliance = 0.0;
             done?;
-            self.forces[rows.clone()].copy_from_slice(attached.force());
+            self.contact_force.copy_from_slice(attached.force());
         }
         Ok(self.force())
     }
@@ -345,9 +357,11 @@ impl Balance {
     fn balance_with(&mut self, x: &[f64], at: &Operating, alone: bool) -> Result<f64, HarmonicError> {
         self.unknown.copy_from_slice(x);
         self.forces.fill(0.0);
-        for acting in &mut self.acting {
-            acting.act(at.angular_frequency, x, alone, &mut self.forces)?;
+        for acting in self.acting.iter_mut().filter(|acting| acting.hung().is_none()) {
+            acting.act(at, x, alone, &mut self.forces)?;
         }
+        self.contact_force.copy_from_slice(&self.forces[..self.wide]);
+        self.acting.iter().filter_map(Acting::hung).for_each(|hung| hung.act(at, x, &mut self.forces));
         self.respond(at)?;
         for port in &self.ports {
             for row in port.rows.clone() {
@@ -364,7 +378,7 @@ impl Balance {
         self.q.chunks_exact(self.modes()).map(dot).collect()
     }
 
-    /// Energy that modal damping and drag take per cycle (J).
+    /// Energy that modal damping, what hangs at the contact and drag take per cycle (J).
     pub fn viscous_energy(&self, angular_frequency: f64) -> f64 {
         let modes = self.modes();
         let mut sum = 0.0;
@@ -378,7 +392,19 @@ impl Balance {
         let of_structure = self.acting.iter().filter_map(Acting::law).filter(|(rows, _)| rows.start > 0);
         let by_laws: f64 =
             of_structure.map(|(rows, law)| work_per_cycle(law.force(), &self.moved[rows.clone()])).sum();
-        std::f64::consts::PI * sum + by_laws
+        let at = Operating::forced(angular_frequency, 0.0);
+        let hung: f64 = self.hung().map(|hung| hung.lost(&at, &self.unknown[..self.wide])).sum();
+        std::f64::consts::PI * sum + by_laws + hung
+    }
+
+    /// What hangs at the contact.
+    fn hung(&self) -> impl Iterator<Item = &Resonator> {
+        self.acting.iter().filter_map(Acting::hung)
+    }
+
+    /// Force (N) over displacement (m) of the contact of what hangs there, in harmonic `order`, as `c − i s`.
+    pub fn hung_stiffness(&self, at: &Operating, order: usize) -> Complex<f64> {
+        self.hung().map(|hung| hung.dynamic_stiffness(at, order)).sum()
     }
 }
 

@@ -1,5 +1,6 @@
 //! The balance as a [`PeriodicSystem`]: what continuation, tracking and conditions ask of it.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use super::*;
@@ -108,7 +109,7 @@ impl PeriodicSystem for Balance {
         let excitation: Vec<f64> = both.map(|(f, second)| at.level * f + at.parameter * second).collect();
         guess::forced(self, at.angular_frequency, &excitation)?;
         self.weigh();
-        x.copy_from_slice(&self.start());
+        x.copy_from_slice(&self.start(at.angular_frequency));
         Ok(())
     }
 
@@ -179,7 +180,15 @@ impl PeriodicSystem for Balance {
         }
         let displacement: Vec<&[f64]> =
             point.contacts.iter().map(|contact| contact.displacement.as_slice()).collect();
-        decide_modal(&self.system, &self.modal_coefficients(), &displacement, point.angular_frequency)
+        let decide = |system: &ModalSystem, modes: &[f64]| {
+            decide_modal(system, modes, &displacement, point.angular_frequency)
+        };
+        let Cow::Owned(expanded) = self.completed.expanded() else {
+            return decide(&self.system, &self.modal_coefficients());
+        };
+        let at = Operating::forced(point.angular_frequency, point.level);
+        let expanded = ModalSystem::new(&expanded).map_err(|_| Undecided::NotSettled)?;
+        decide(&expanded, &self.expanded_coefficients(&at))
     }
 
     fn describe(&mut self, x: &[f64], operating: &Operating) -> Result<Point, HarmonicError> {
@@ -196,7 +205,7 @@ impl PeriodicSystem for Balance {
         for acting in &mut self.acting {
             match acting {
                 Acting::Law { rows, attached } => {
-                    contacts.push(at(rows, attached.cycle.summary(), &self.forces[rows.clone()]));
+                    contacts.push(at(rows, attached.cycle.summary(), attached.force()));
                 }
                 Acting::SlipSlap { rows, cycle, .. } => {
                     // The springs that the modes have in its place act at the same port.

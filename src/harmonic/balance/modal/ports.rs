@@ -5,17 +5,14 @@ use std::ops::{Deref, Range};
 use crate::harmonic::modal_system::{ModalPort, ModalSystem};
 use crate::system::{Element, Port, Row, System};
 
-/// Names of the ports that a beam may be condensed to though it has no element there: a neighbour may.
-const WITHOUT_ELEMENT: [&str; 2] = ["shortening", "string"];
+/// The port that a beam may be condensed to though it has no element there: a neighbour may.
+const WITHOUT_ELEMENT: &str = "shortening";
 
 /// The system with every port that any beam has.
 pub(super) fn completed(system: &System) -> System {
     let mut system = system.clone();
-    for name in WITHOUT_ELEMENT {
-        if system.port(name).is_none() {
-            let shortening = if name == "shortening" { -1.0 } else { 0.0 };
-            system.ports.push(Port { shortening, ..Port::linear(name, Row::new()) });
-        }
+    if system.port(WITHOUT_ELEMENT).is_none() {
+        system.ports.push(Port { shortening: -1.0, ..Port::linear(WITHOUT_ELEMENT, Row::new()) });
     }
     system
 }

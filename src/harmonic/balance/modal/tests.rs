@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::*;
 use crate::contact::{ContactLaw, Inputs, Jenkins, Response, SlipState, StateTangents, Tangents, Valanis};
-use crate::system::ModalBeam;
+use crate::system::{HangingMass, ModalBeam};
 
 fn beam() -> ModalBeam {
     ModalBeam {
@@ -15,8 +15,7 @@ fn beam() -> ModalBeam {
         shortening: vec![32.0, -4.0, -4.0, 110.0],
         axial_flexibility: 2e-8,
         stretching_stiffness: 0.0,
-        string_stiffness: 0.0,
-        string_stretch: Vec::new(),
+        hung: Vec::new(),
         quadratic_damping: 0.0,
         sensors: Vec::new(),
         contact_points: Vec::new(),
@@ -55,11 +54,11 @@ impl ContactLaw for Damper {
 
 /// Largest difference between Jacobian and central differences, as a fraction of the largest entry of
 /// each column; the last columns are those of the scalars.
-fn jacobian_error(law: Arc<dyn ContactLaw>, size: f64) -> f64 {
+fn jacobian_error(beam: &ModalBeam, law: Arc<dyn ContactLaw>, size: f64) -> f64 {
     const SCALARS: [Scalar; 3] = [Scalar::AngularFrequency, Scalar::Level, Scalar::SelfExcitation];
     let assembly = Assembly {
         waveform: vec![0.0, 30.0, 5.0],
-        ..Assembly::new(beam().system(Some((law, 100.0))).unwrap())
+        ..Assembly::new(beam.system(Some((law, 100.0))).unwrap())
     };
     let mut balance = Balance::new(&assembly, 3, Method::Sampled { samples: 64 }).unwrap();
     balance.equations.derivative_error = 1e-10;
@@ -124,9 +123,13 @@ fn jacobian_equals_central_differences() {
         (Arc::new(Jenkins::new(5e6, 0.9).unwrap()), 5e-4),
         (Arc::new(Damper(3e6, 2e3)), 3e-4),
     ];
+    let mut hung = beam();
+    hung.hung = vec![HangingMass { mass: 5.0, frequency: 40.0 }, HangingMass { mass: 1.0, frequency: 120.0 }];
     for (law, size) in cases {
-        let error = jacobian_error(law.clone(), size);
-        assert!(error < 3e-6, "{law:?} at {size}: {error}");
+        for beam in [&beam(), &hung] {
+            let error = jacobian_error(beam, law.clone(), size);
+            assert!(error < 3e-6, "{law:?} at {size}, {:?}: {error}", beam.hung);
+        }
     }
 }
 
@@ -139,7 +142,7 @@ fn loop_of(law: impl ContactLaw + 'static, load: f64, amplitude: f64, samples: u
     balance.moved[2] = amplitude;
     let u = balance.displacement().to_vec();
     balance.contact_force(300.0, &u, 0.0).unwrap();
-    balance.dissipated_energy()
+    work_per_cycle(balance.force(), balance.displacement())
 }
 
 #[test]

@@ -1,26 +1,53 @@
 //! From a motion of the modes to the unknowns.
 
-use super::Balance;
+use nalgebra::Complex;
+
+use super::{Acting, Balance};
 use crate::harmonic::modal_system::ModalPort;
-use crate::harmonic::newton::system::PeriodicSystem;
+use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 
 impl Balance {
-    /// The unknowns that belong to such coefficients and a contact force.
-    pub fn unknowns_of(&mut self, modal_coefficients: &[f64], force: &[f64]) -> Vec<f64> {
+    /// The unknowns that belong to such coefficients and a force of the contact (N) in a motion of the fundamental
+    /// `angular_frequency` (rad/s); what hangs at the contact pulls as it does there.
+    pub fn unknowns_of(
+        &mut self,
+        modal_coefficients: &[f64],
+        force: &[f64],
+        angular_frequency: f64,
+    ) -> Vec<f64> {
         let (modes, count) = (self.modes(), self.count);
         for (i, mode) in modal_coefficients.chunks_exact(count).enumerate() {
             mode.iter().enumerate().for_each(|(k, value)| self.q[k * modes + i] = *value);
         }
         self.weigh();
-        self.unknowns_under(force)
+        self.unknowns_under(force, angular_frequency)
     }
 
-    /// The unknowns under a force on the contact: its displacement once the series spring has yielded, and what the
+    /// The unknowns under a force of the contact: its displacement once the series spring has yielded, and what the
     /// modes give of the others.
-    fn unknowns_under(&self, force: &[f64]) -> Vec<f64> {
+    fn unknowns_under(&self, force: &[f64], angular_frequency: f64) -> Vec<f64> {
         let series = self.ports[0].flexibility;
         let contact = self.displacement().iter().zip(force).map(|(u, force)| u - series * force);
-        contact.chain(self.moved[self.wide..].iter().copied()).collect()
+        let mut unknowns: Vec<f64> = contact.chain(self.moved[self.wide..].iter().copied()).collect();
+        let at = Operating::forced(angular_frequency, 0.0);
+        self.scale(&mut unknowns, |hung| 1.0 / (1.0 + series * hung), &at);
+        unknowns
+    }
+
+    /// Multiplies the contact's harmonics by a factor that depends on the dynamic stiffness (N/m) of what hangs there.
+    pub(super) fn scale(
+        &self,
+        coefficients: &mut [f64],
+        factor: impl Fn(Complex<f64>) -> Complex<f64>,
+        at: &Operating,
+    ) {
+        if self.hung().next().is_none() {
+            return;
+        }
+        for (place, pair) in coefficients[1..self.wide].chunks_exact_mut(2).enumerate() {
+            let scaled = factor(self.hung_stiffness(at, place + 1)) * Complex::new(pair[0], -pair[1]);
+            (pair[0], pair[1]) = (scaled.re, -scaled.im);
+        }
     }
 
     /// The unknowns `x` as those of `finer`, the balance of the same system with more harmonics.
@@ -33,9 +60,20 @@ impl Balance {
         refined
     }
 
-    /// The unknowns of the displacement and the contact force last evaluated.
-    pub fn start(&self) -> Vec<f64> {
-        self.unknowns_under(self.force())
+    /// The unknowns of the displacement and the contact force last evaluated, as [`Self::unknowns_of`].
+    pub fn start(&self, angular_frequency: f64) -> Vec<f64> {
+        self.unknowns_under(self.force(), angular_frequency)
+    }
+
+    /// Coefficients of every mode and, behind them, of every resonator's coordinate in the system's
+    /// [`expanded`](crate::system::System::expanded) form, at the last evaluation.
+    pub(super) fn expanded_coefficients(&self, at: &Operating) -> Vec<f64> {
+        let mut all = self.modal_coefficients();
+        for acting in &self.acting {
+            let Acting::Resonator(hung) = acting else { continue };
+            all.extend(hung.coordinate(at, &self.unknown[hung.rows.clone()], self.harmonics));
+        }
+        all
     }
 
     /// Names and displacements (m), by the modes of the last evaluation, of all ports to which this balance or one of
