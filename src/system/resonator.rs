@@ -31,11 +31,11 @@ impl System {
     /// `s = 1/(1 + a Σ kᵢ)` that is an element at `u = s (y + a Σ kᵢ pᵢ) − s a T`, and springs with the potential
     /// `½ (s Σ kᵢ y² − 2 s y Σ kᵢ pᵢ + Σ kᵢ pᵢ² − s a (Σ kᵢ pᵢ)²)`.
     pub fn expanded(&self) -> Cow<'_, Self> {
-        let mut system = self.clone();
-        let hung = system.add_masses();
-        if hung.is_empty() {
+        if !self.elements.iter().any(|element| matches!(element, Element::Resonator { .. })) {
             return Cow::Borrowed(self);
         }
+        let mut system = self.clone();
+        let hung = system.add_masses();
         system.shortening = widened(&self.shortening, self.core.size(), system.core.size());
         for port in 0..self.ports.len() {
             let here: Vec<Hung> = hung.iter().copied().filter(|one| one.port == port).collect();

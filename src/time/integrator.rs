@@ -137,12 +137,12 @@ impl Integrator {
         Ok(motion)
     }
 
-    /// Displacements of the system's coordinates.
+    /// Displacements of the system's coordinates, those of resonators' masses behind the others.
     pub fn displacement(&self, motion: &Motion) -> Vec<f64> {
         self.solver.plant.outward(motion.modal_displacement())
     }
 
-    /// Velocities of the system's coordinates.
+    /// Velocities of the same.
     pub fn velocity(&self, motion: &Motion) -> Vec<f64> {
         self.solver.plant.outward(motion.modal_velocity())
     }

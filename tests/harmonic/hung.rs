@@ -9,7 +9,7 @@ use stickslip::harmonic::{
     Assembly, Control, CurveSettings, Point, Resonance, frequency_response, periodic_response,
     phase_resonance,
 };
-use stickslip::system::{HangingMass, ModalBeam, System};
+use stickslip::system::{Core, Element, HangingMass, ModalBeam, Port, System};
 
 use crate::common::beam::steel_beam;
 
@@ -109,12 +109,21 @@ fn resonances_are_those_of_the_same_system_with_coordinates_for_the_masses() {
         // The lowest mode of all is that of the beam.
         let (beam, _) = random(&mut numbers, case % 2 == 1, 1.2);
         let systems = both(beam.system(Some((law(&mut numbers), 100.0))).unwrap());
-        let limit = if case % 2 == 1 { 1e-5 } else { 1e-7 };
+        let limit = if case % 2 == 1 { 1e-4 } else { 1e-7 };
         let near = |a: f64, b: f64| (a / b - 1.0).abs() < limit;
-        let acceleration = 5.0;
+        let acceleration = 20.0;
+        let found = phase_resonance(&systems[0], acceleration, &settings, None).unwrap();
+        // From starts that lead nowhere as well.
+        for scale in [30.0, 1e4, 1e8, 1e200] {
+            let mut bad = found.clone();
+            bad.coefficients.iter_mut().enumerate().for_each(|(i, q)| *q *= scale * (1.0 + (i as f64).sin()));
+            bad.angular_frequency *= 0.8;
+            let again = phase_resonance(&systems[0], acceleration, &settings, Some(&bad)).unwrap();
+            assert!(near(again.force_amplitude, found.force_amplitude), "{case} {scale}");
+        }
         let Resonance {
             angular_frequency, force_amplitude: force, dissipated_energy, viscous_energy, ..
-        } = phase_resonance(&systems[0], acceleration, &settings, None).unwrap();
+        } = found;
         let work = PI * force * acceleration / angular_frequency.powi(2);
         let lost = dissipated_energy + viscous_energy;
         assert!(near(lost, work), "{case}: {lost:e} {work:e}");
@@ -151,4 +160,82 @@ fn stability_is_that_of_the_same_system_with_coordinates_for_the_masses() {
         decided += usize::from(own.stable.is_some());
     }
     assert!(decided > 3, "{decided}");
+}
+
+#[test]
+fn a_resonance_without_a_contact_is_damped_as_the_linear_mode() {
+    let settings = CurveSettings { harmonics: 3, tolerance: 1e-11, ..CurveSettings::default() };
+    for (mass, frequency) in [(5.0, 60.0), (60.0, 55.0), (1.0, 120.0)] {
+        let mut beam = steel_beam(3, 0.003);
+        beam.hung = vec![HangingMass { mass, frequency }];
+        let system = beam.system(None).unwrap();
+        let linear = system.linear_part();
+        let modes = linear.natural_modes().unwrap();
+        let shape = modes.shapes.column(0);
+        let rate: f64 = linear.damping.iter().map(|(i, j, c)| shape[*i] * c * shape[*j]).sum();
+        let expected = 0.5 * rate / modes.angular_frequency[0];
+        let found = phase_resonance(&system, 1e-3, &settings, None).unwrap();
+        assert!((found.damping_ratio() / expected - 1.0).abs() < 0.02, "{mass}: {expected} {found:?}");
+    }
+}
+
+#[test]
+fn resonators_at_linear_ports_and_on_matrices_are_balanced() {
+    let law: Arc<dyn ContactLaw> = Arc::new(Jenkins::new(30.0, 0.4).unwrap());
+    let modal = Core::Modal { angular_frequency: vec![5.0, 11.0], damping_ratio: vec![0.02; 2] };
+    let matrices = Core::Matrices {
+        size: 2,
+        mass: vec![(0, 0, 2.0), (1, 1, 1.0)],
+        damping: vec![(0, 0, 0.2), (1, 1, 0.1)],
+        stiffness: vec![(0, 0, 60.0), (0, 1, -20.0), (1, 0, -20.0), (1, 1, 40.0)],
+    };
+    let settings = CurveSettings { tolerance: 1e-10, ..CurveSettings::default() };
+    for core in [modal, matrices] {
+        for flexibility in [0.0, 1e-3] {
+            if flexibility > 0.0 && matches!(core, Core::Matrices { .. }) {
+                continue; // needs modal coordinates, with resonators or without
+            }
+            let contact = Port { flexibility, ..Port::linear("contact", vec![(0, 0.8), (1, -0.3)]) };
+            let system = System {
+                core: core.clone(),
+                shortening: vec![],
+                ports: vec![Port::linear("sensor", vec![(0, 1.0)]), contact],
+                elements: vec![
+                    Element::Law { port: 1, law: law.clone(), normal_load: 2.0 },
+                    Element::Resonator { port: 1, mass: 0.3, angular_frequency: 6.0, damping_ratio: 0.02 },
+                ],
+                driven: vec![0],
+                sensors: vec![0],
+            };
+            let [own, expanded] = both(system).map(|system| {
+                let level = Control::Level(3.0);
+                periodic_response(&Assembly::new(system), 5.5, &level, &settings, None).unwrap()
+            });
+            let apart = apart(&own, &expanded);
+            assert!(apart < 1e-3, "{core:?} {flexibility}: {apart:e}");
+        }
+    }
+}
+
+/// Where harmonics that are left out meet the frequency of a light mass.
+#[test]
+fn estimated_errors_are_those_that_more_harmonics_show() {
+    let law: Arc<dyn ContactLaw> = Arc::new(Jenkins::new(4e6, 0.5).unwrap());
+    for frequency in [600.0, 800.0, 1000.0] {
+        let mut beam = steel_beam(6, 0.003);
+        beam.hung = vec![HangingMass { mass: 1.0, frequency }];
+        let system = beam.system(Some((law.clone(), 100.0))).unwrap();
+        let first = |harmonics| {
+            let settings = CurveSettings { harmonics, ..CurveSettings::default() };
+            let (assembly, level) = (Assembly::new(system.clone()), Control::Level(15.0));
+            let mut curve =
+                frequency_response(&assembly, 310.0, 310.1, &level, &settings, &mut |_| true).unwrap();
+            curve.points.swap_remove(0)
+        };
+        let (few, many) = (first(9), first(40));
+        let amplitudes = few.amplitude.iter().zip(&many.amplitude);
+        let error = amplitudes.map(|(few, many)| (few / many - 1.0).abs()).fold(0.0, f64::max);
+        let estimate = few.error_estimate;
+        assert!((error..10.0 * error).contains(&estimate), "{frequency}: {error:e} {estimate:e}");
+    }
 }

@@ -46,6 +46,22 @@ fn a_beam_without_friction_decays_with_its_damping() {
 }
 
 #[test]
+fn a_beam_with_a_hanging_mass_decays_as_the_linear_mode_of_both() {
+    let hung = "\n[[effect]]\nid = \"hanging_mass\"\nmass = 3.0\nhanging_frequency = 90.0\n";
+    let text = include_str!("../../examples/frictional-support/linear.toml");
+    let model = Model::parse(&format!("{text}{hung}")).unwrap();
+    let linear = model.system().unwrap().linear_part();
+    let modes = linear.natural_modes().unwrap();
+    let (omega, shape) = (modes.angular_frequency[0], modes.shapes.column(0));
+    let rate: f64 = linear.damping.iter().map(|(i, j, c)| shape[*i] * c * shape[*j]).sum();
+    for from in [Release::Held(5.0), Release::Force(2.0)] {
+        let (frequency, damping) = decay(&released(&model, from, 6.0), 1.0, 6.0);
+        assert!((frequency * TAU / omega - 1.0).abs() < 3e-4, "{from:?}: {frequency}");
+        assert!((damping / (0.5 * rate / omega) - 1.0).abs() < 0.01, "{from:?}: {damping}");
+    }
+}
+
+#[test]
 fn with_friction_it_decays_faster_and_lower_the_larger_it_moves() {
     let model = published(6, |text| text);
     let record = released(&model, Release::Held(40.0), 6.0);

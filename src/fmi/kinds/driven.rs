@@ -10,7 +10,7 @@ use crate::time::{Integrator, Motion, OutputRates, Outputs, Ramp, Settings, Step
 
 /// Tolerances the integrator takes; a simulation's is moved to the nearest.
 const TOLERANCES: (f64, f64) = (1e-13, 0.1);
-/// Numbers of a motion that effects may add: those of a cubic spring and of drag. Room is kept for them, so that a
+/// Numbers of a motion that effects may add: those of a cubic spring, of drag and of a hanging mass. Room is kept for them, so that a
 /// parameter may go through zero.
 const ADDED: usize = 16;
 

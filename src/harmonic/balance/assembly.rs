@@ -63,9 +63,7 @@ impl Assembly {
 
     /// Whether the system is condensed to its ports by receptance: all that have an element are linear.
     pub(crate) fn is_condensed(&self) -> bool {
-        let modal = |element: &Element| {
-            matches!(element, Element::SlipSlap { .. } | Element::Inertia { .. } | Element::Resonator { .. })
-        };
+        let modal = |element: &Element| matches!(element, Element::SlipSlap { .. } | Element::Inertia { .. });
         if self.system.elements.iter().any(modal) {
             return false;
         }
@@ -112,6 +110,16 @@ impl Assembly {
         if system.laws().any(|(.., load)| !load.is_finite()) || swings.chain(offsets).any(|x| !x.is_finite())
         {
             return refuse("a normal load or a static offset is not finite");
+        }
+        let sound = |element: &Element| match *element {
+            Element::Resonator { mass, angular_frequency: natural, damping_ratio: ratio, .. } => {
+                let finite = mass.is_finite() && natural.is_finite() && ratio.is_finite();
+                finite && mass > 0.0 && natural > 0.0 && ratio >= 0.0
+            }
+            _ => true,
+        };
+        if !system.elements.iter().all(sound) {
+            return refuse("a resonator has no positive mass and frequency, or a negative damping");
         }
         let places =
             system.elements.iter().flat_map(Element::ports).chain(&system.driven).chain(&system.sensors);

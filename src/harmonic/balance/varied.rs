@@ -76,6 +76,10 @@ fn differ_in_laws(one: &System, other: &System) -> bool {
         (Element::Law { port, .. }, Element::Law { port: other, .. }) => port == other,
         (Element::Outside { port }, Element::Outside { port: other }) => port == other,
         (
+            Element::Resonator { port, mass, angular_frequency, damping_ratio },
+            Element::Resonator { port: at, mass: other, angular_frequency: natural, damping_ratio: ratio },
+        ) => port == at && mass == other && angular_frequency == natural && damping_ratio == ratio,
+        (
             Element::Springs { ports, stiffness },
             Element::Springs { ports: other_ports, stiffness: other },
         ) => ports == other_ports && stiffness == other,

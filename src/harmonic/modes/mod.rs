@@ -9,6 +9,8 @@ mod held;
 mod linear_start;
 mod vibration;
 
+use std::borrow::Cow;
+
 use super::{CurveSettings, HarmonicError};
 use crate::harmonic::balance::assembly::Assembly;
 use crate::harmonic::balance::condensed::Condensed;
@@ -179,8 +181,11 @@ fn mode_of(
     assembly.check()?;
     settings.check()?;
     // Near the free vibrations of what hangs at the contact the port hardly moves: coordinates of its own tell more.
-    let expanded = Assembly { system: assembly.system.expanded().into_owned(), ..assembly.clone() };
-    let assembly = &expanded;
+    let expanded = match assembly.system.expanded() {
+        Cow::Owned(system) => Cow::Owned(Assembly { system, ..assembly.clone() }),
+        Cow::Borrowed(_) => Cow::Borrowed(assembly),
+    };
+    let assembly = &*expanded;
     let acts = |element: &Element| !matches!(element, Element::Outside { .. });
     if !assembly.system.elements.iter().any(acts) {
         return Err(HarmonicError::InvalidInput("a structure without contacts has linear modes only"));

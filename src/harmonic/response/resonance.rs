@@ -22,15 +22,16 @@ pub struct Resonance {
     pub force_amplitude: f64,
     /// First-harmonic amplitude of the acceleration at the excitation (m/s²), as held.
     pub acceleration_amplitude: f64,
-    /// Modal coordinates (m √kg): `[a0, c1, s1, …, cH, sH]` per mode.
+    /// Modal coordinates (m √kg): `[a0, c1, s1, …, cH, sH]` per mode; behind them those of the masses of resonators, as
+    /// [`System::expanded`] has them.
     pub coefficients: Vec<f64>,
-    /// Contact displacement `c·q − ½ qᵀG q` before the series spring gives way (m), harmonics `0..=2H`.
+    /// Contact displacement `c·q − ½ qᵀG q` before the series spring gives way to all that pulls there (m), harmonics `0..=2H`.
     pub contact_displacement: Vec<f64>,
     /// Restoring contact force (N), harmonics `0..=2H`.
     pub contact_force: Vec<f64>,
     /// Energy the contact takes per cycle (J).
     pub dissipated_energy: f64,
-    /// Energy the modal damping takes per cycle (J).
+    /// Energy that the damping of modes and resonators, and drag, take per cycle (J).
     pub viscous_energy: f64,
 }
 
@@ -158,7 +159,7 @@ impl Solver {
             angular_frequency: at.angular_frequency,
             force_amplitude: at.level,
             acceleration_amplitude: acceleration,
-            coefficients: balance.modal_coefficients(),
+            coefficients: balance.expanded_coefficients(&at),
             contact_displacement: balance.displacement().to_vec(),
             contact_force: balance.force().to_vec(),
             dissipated_energy: balance.dissipated_energy(),
@@ -201,11 +202,12 @@ impl Solver {
     /// A response at another amplitude, as if all were linear; `None` where it has other coefficients.
     fn scaled(&mut self, start: &Resonance, acceleration: f64) -> Option<Solution> {
         let balance = &mut self.balance;
-        if start.coefficients.len() != balance.q.len() {
+        if start.coefficients.len() != balance.expanded_len() {
             return None;
         }
         let ratio = acceleration / start.acceleration_amplitude;
-        let scaled: Vec<f64> = start.coefficients.iter().map(|q| ratio * q).collect();
+        let of_modes = &start.coefficients[..balance.q.len()];
+        let scaled: Vec<f64> = of_modes.iter().map(|q| ratio * q).collect();
         let force: Vec<f64> = start.contact_force.iter().map(|force| ratio * force).collect();
         let x = balance.unknowns_of(&scaled, &force, start.angular_frequency);
         Some(Solution { x, at: Operating::forced(start.angular_frequency, ratio * start.force_amplitude) })

@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 
-use super::{Acting, Balance};
+use super::Balance;
 use crate::harmonic::newton::system::Operating;
 use crate::harmonic::period::Cycle;
 use crate::numeric::HarmonicSet;
@@ -17,8 +17,8 @@ impl Balance {
     /// That the contact feels this motion in turn is left out; what hangs there does.
     pub fn beyond(&mut self, at: &Operating, highest: usize) -> Vec<Complex<f64>> {
         let (modes, harmonics) = (self.modes(), self.harmonics);
-        let contact = match self.acting.first_mut() {
-            Some(Acting::Law { rows, attached }) if rows.start == 0 && highest > harmonics => attached,
+        let contact = match self.contact_mut() {
+            Some(contact) if highest > harmonics => contact,
             _ => return vec![Complex::new(0.0, 0.0); modes * highest.saturating_sub(harmonics)],
         };
         let carrying = CARRYING.min(harmonics);
@@ -51,15 +51,19 @@ impl Balance {
             let (order, first) = (place + 1, 2 * place + 1);
             let hung = self.hung_stiffness(at, order);
             let of_law = Complex::new(pair[0], -pair[1]);
-            let all = if first + 1 < self.wide {
-                of_law + hung * Complex::new(self.unknown[first], -self.unknown[first + 1])
-            } else {
-                let speed = order as f64 * at.angular_frequency;
+            let speed = order as f64 * at.angular_frequency;
+            // Of what the harmonics balanced move the contact by; above them its own force moves the modes.
+            let mut moved = Complex::new(0.0, 0.0);
+            if first + 1 < self.wide {
+                moved = Complex::new(self.moved[first], -self.moved[first + 1]);
+            }
+            let mut yields = Complex::from(self.ports[0].flexibility);
+            if order > self.harmonics {
                 let modes = 0..self.modes();
-                let yields: Complex<f64> =
-                    modes.map(|mode| arm(mode).powi(2) / self.dynamic_stiffness(mode, speed)).sum();
-                of_law / (1.0 + hung * (yields + self.ports[0].flexibility))
-            };
+                let of_modes = modes.map(|mode| arm(mode).powi(2) / self.dynamic_stiffness(mode, speed));
+                yields += of_modes.sum::<Complex<f64>>();
+            }
+            let all = (of_law + hung * moved) / (1.0 + hung * yields);
             (pair[0], pair[1]) = (all.re, -all.im);
         }
     }

@@ -36,6 +36,7 @@ pub(crate) fn resonance(balance: &mut Balance, acceleration: f64) -> Result<(f64
     }
     let displacement = acceleration / (angular_frequency * angular_frequency);
     balance.weigh();
+    balance.unknown = balance.start(angular_frequency);
     let lost = work_per_cycle(balance.force(), balance.displacement());
     let loss = balance.viscous_energy(angular_frequency) + lost;
     Ok((angular_frequency, loss / (std::f64::consts::PI * displacement)))

@@ -14,7 +14,8 @@
 //!
 //! `r(v) = v + a T(v) − (b·q − γ ½ qᵀG q) = 0`, `∂r/∂v = 1 + (a + W A⁻¹ B) ∂T/∂v`,
 //!
-//! W being multiplication by `w_i` and B its adjoint, the projection of `T w_i`, of all ports stacked.
+//! W being multiplication by `w_i` and B its adjoint, the projection of `T w_i`, of all ports stacked. A resonator is a dynamic
+//! stiffness at its port, harmonic by harmonic, and adds no unknowns.
 
 mod beyond;
 mod derivatives;
@@ -285,9 +286,16 @@ impl Balance {
         &self.moved[..self.wide]
     }
 
-    /// The law of the contact; `None` without one. It is the first of all.
+    /// The law of the contact; `None` without one. It is the first there.
     fn contact(&self) -> Option<&Attached> {
-        self.acting.first().and_then(Acting::law).filter(|(rows, _)| rows.start == 0).map(|(_, law)| law)
+        self.acting.iter().filter_map(Acting::law).find(|(rows, _)| rows.start == 0).map(|(_, law)| law)
+    }
+
+    fn contact_mut(&mut self) -> Option<&mut Attached> {
+        self.acting.iter_mut().find_map(|acting| match acting {
+            Acting::Law { rows, attached } if rows.start == 0 => Some(&mut **attached),
+            _ => None,
+        })
     }
 
     /// Whether the contact has a law.
@@ -332,15 +340,16 @@ impl Balance {
         u: &[f64],
         series: f64,
     ) -> Result<&[f64], HarmonicError> {
-        if let Some(Acting::Law { attached, rows }) = self.acting.first_mut()
-            && rows.start == 0
-        {
+        let mut force = std::mem::take(&mut self.contact_force);
+        let mut done = Ok(());
+        if let Some(attached) = self.contact_mut() {
             attached.compliance = series;
-            let done = attached.evaluate_force(angular_frequency, u, false);
+            done = attached.evaluate_force(angular_frequency, u, false);
             attached.compliance = 0.0;
-            done?;
-            self.contact_force.copy_from_slice(attached.force());
+            force.copy_from_slice(attached.force());
         }
+        self.contact_force = force;
+        done?;
         Ok(self.force())
     }
 
@@ -393,7 +402,11 @@ impl Balance {
         let by_laws: f64 =
             of_structure.map(|(rows, law)| work_per_cycle(law.force(), &self.moved[rows.clone()])).sum();
         let at = Operating::forced(angular_frequency, 0.0);
-        let hung: f64 = self.hung().map(|hung| hung.lost(&at, &self.unknown[..self.wide])).sum();
+        let lost = |acting: &Acting| match acting {
+            Acting::Resonator(hung) => hung.lost(&at, &self.unknown[hung.rows.clone()]),
+            _ => 0.0,
+        };
+        let hung: f64 = self.acting.iter().map(lost).sum();
         std::f64::consts::PI * sum + by_laws + hung
     }
 

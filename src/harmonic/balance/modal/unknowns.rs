@@ -65,9 +65,15 @@ impl Balance {
         self.unknowns_under(self.force(), angular_frequency)
     }
 
+    /// Number of [`Self::expanded_coefficients`].
+    pub fn expanded_len(&self) -> usize {
+        let hung = self.acting.iter().filter(|acting| matches!(acting, Acting::Resonator(_))).count();
+        self.count * (self.modes() + hung)
+    }
+
     /// Coefficients of every mode and, behind them, of every resonator's coordinate in the system's
     /// [`expanded`](crate::system::System::expanded) form, at the last evaluation.
-    pub(super) fn expanded_coefficients(&self, at: &Operating) -> Vec<f64> {
+    pub fn expanded_coefficients(&self, at: &Operating) -> Vec<f64> {
         let mut all = self.modal_coefficients();
         for acting in &self.acting {
             let Acting::Resonator(hung) = acting else { continue };

@@ -15,7 +15,7 @@ impl Balance {
             for i in 0..modes {
                 let b = port.shape[i];
                 if port.shortening == 0.0 {
-                    for (k, moved) in moved.iter_mut().enumerate() {
+                    for (k, moved) in moved.iter_mut().take(self.count).enumerate() {
                         let place = k * modes + i;
                         self.matrices.weights.as_mut_slice()[place * unknowns + rows.start + k] = b;
                         *moved += b * self.q[place];
