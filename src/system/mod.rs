@@ -1,9 +1,9 @@
 //! One mechanical system, and the structures that make one.
 //!
-//! `ports`: a linear core, named ports, elements at ports. Builders: [`beam`] ([`ModalBeam::new`] reduces a [`Beam`] to its
-//! exact modes; [`rotational_stiffness_from_frequency`] reads the support's stiffness off a measured frequency),
-//! `oscillator`, `linear` (matrices), [`pin_rig`] (a beam whose pin slips and slaps). `changes`: what effects change. `receptance`: a linear structure condensed to
-//! its points.
+//! `ports`: a linear core, named ports, elements at ports; `resonator`: resonators as coordinates. Builders: [`beam`]
+//! ([`ModalBeam::new`] reduces a [`Beam`] to its exact modes; [`rotational_stiffness_from_frequency`] reads the support's
+//! stiffness off a measured frequency), `oscillator`, `linear` (matrices), [`pin_rig`] (a beam whose pin slips and slaps).
+//! `changes`: what effects change. `receptance`: a linear structure condensed to its points.
 
 pub mod beam;
 mod changes;

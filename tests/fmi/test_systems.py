@@ -99,7 +99,7 @@ def test_fmpy_runs_the_same_package_to_the_same_trajectories(systems, name, tmp_
 
 
 ECOS = """
-import json, sys
+import json, os, sys
 from ecospy import EcosSimulation
 file, step, count, values, names = sys.argv[1], float(sys.argv[2]), int(sys.argv[3]), json.loads(sys.argv[4]), json.loads(sys.argv[5])
 with EcosSimulation(ssp_path=file, step_size=step) as simulation:
@@ -110,6 +110,9 @@ with EcosSimulation(ssp_path=file, step_size=step) as simulation:
         simulation.step()
         print("ROW", *[repr(simulation.get_real(name.replace(".", "::"))) for name in names])
     simulation.terminate()
+# Its library may crash while the interpreter ends, when everything is freed already.
+sys.stdout.flush()
+os._exit(0)
 """
 
 
