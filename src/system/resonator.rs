@@ -87,7 +87,7 @@ impl System {
         self.ports.push(Port { name, row: row.clone(), shortening, flexibility: 0.0 });
         for (place, one) in hung.iter().enumerate() {
             let pull = share * one.stiffness;
-            // What is left of the spring where all but its mass is held is in the core.
+            // The rest of the spring, which acts where all but its mass is held, is in the core.
             let stiffness = [[pull, -pull], [-pull, 0.0]];
             self.elements[one.element] = Element::Springs { ports: [in_front, one.own], stiffness };
             for other in &hung[..place] {

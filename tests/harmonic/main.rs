@@ -3,15 +3,13 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-mod beam_modes;
-mod beam_stability;
+mod beam;
 mod corners;
 mod curves;
 mod cycle;
 mod cycle_laws;
 mod dual_mode;
 mod held_response;
-mod hung;
 mod interrupt;
 mod joint;
 mod laws;

@@ -7,7 +7,6 @@ use super::resonator::Resonator;
 use crate::harmonic::HarmonicError;
 use crate::harmonic::balance::equivalent::{Equivalent, settle};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
-use crate::numeric::fourier::work_per_cycle;
 
 /// Rounds to find the resonance.
 const ROUNDS: usize = 12;
@@ -37,8 +36,7 @@ pub(crate) fn resonance(balance: &mut Balance, acceleration: f64) -> Result<(f64
     let displacement = acceleration / (angular_frequency * angular_frequency);
     balance.weigh();
     balance.unknown = balance.start(angular_frequency);
-    let lost = work_per_cycle(balance.force(), balance.displacement());
-    let loss = balance.viscous_energy(angular_frequency) + lost;
+    let loss = balance.viscous_energy(angular_frequency) + balance.dissipated_energy();
     Ok((angular_frequency, loss / (std::f64::consts::PI * displacement)))
 }
 
