@@ -70,14 +70,15 @@ impl Autoregression {
         self.predictors.len() - 1
     }
 
-    /// Writes the innovations of `values` into `out`, those of the first samples by predictors of lower order.
-    pub fn whiten(&self, values: &[f64], out: &mut [f64]) {
+    /// Puts the innovations in place of `values`, those of the first samples by predictors of lower order.
+    pub fn whiten(&self, values: &mut [f64]) {
         let order = self.order();
-        for (t, out) in out.iter_mut().enumerate().take(values.len()) {
+        // From the last on: the values before one are still there when it is predicted by them.
+        for t in (0..values.len()).rev() {
             let (coefficients, deviation) = &self.predictors[t.min(order)];
-            let past = coefficients.iter().zip(values[..t].iter().rev());
-            let predicted: f64 = past.map(|(a, x)| a * x).sum();
-            *out = (values[t] - predicted) / deviation;
+            let (past, now) = values.split_at_mut(t);
+            let predicted: f64 = coefficients.iter().zip(past.iter().rev()).map(|(a, x)| a * x).sum();
+            now[0] = (now[0] - predicted) / deviation;
         }
     }
 
@@ -109,8 +110,8 @@ mod tests {
         for memory in [0.0, 0.5, 0.95] {
             let values = process(memory, 20_000);
             let found = Autoregression::fit(std::iter::once(values.as_slice()));
-            let mut e = vec![0.0; values.len()];
-            found.whiten(&values, &mut e);
+            let mut e = values.clone();
+            found.whiten(&mut e);
             let product =
                 |lag: usize| e.iter().zip(&e[lag..]).map(|(a, b)| a * b).sum::<f64>() / e.len() as f64;
             assert!((product(0) - 1.0).abs() < 0.05, "memory {memory}: {}", product(0));

@@ -339,7 +339,7 @@ impl NoiseModel {
         residuals: &[Vec<f64>],
         coloured: bool,
     ) {
-        let residuals: Vec<Vec<f64>> =
+        let mut residuals: Vec<Vec<f64>> =
             residuals.iter().enumerate().map(|(k, residuals)| weighted(data, k, residuals)).collect();
         for index in 0..if coloured { data.processes } else { 0 } {
             let series = data.channels.iter().zip(&residuals).flat_map(|(channels, residuals)| {
@@ -348,12 +348,11 @@ impl NoiseModel {
             });
             self.processes[index] = Autoregression::fit(series);
         }
-        let mut e = Vec::new();
-        for (k, residuals) in residuals.iter().enumerate() {
+        for (k, residuals) in residuals.iter_mut().enumerate() {
             for (c, channel) in data.channels[k].iter().enumerate() {
                 let process = &self.processes[channel.process];
-                e.resize(channel.range.len(), 0.0);
-                process.whiten(&residuals[channel.range.clone()], &mut e);
+                let e = &mut residuals[channel.range.clone()];
+                process.whiten(e);
                 let square: f64 = e.iter().map(|x| x * x).sum();
                 let (size, evidence) = priors[k][c].most_probable(square, e.len(), process.fraction);
                 (self.sizes[k][c], self.evidence[k][c]) = (size, evidence);
@@ -363,11 +362,10 @@ impl NoiseModel {
 
     /// Innovations of `values` of record `k`, in their standard deviations.
     pub fn whiten(&self, data: &Measured, k: usize, values: &[f64]) -> Vec<f64> {
-        let values = weighted(data, k, values);
-        let mut out = vec![0.0; values.len()];
+        let mut out = weighted(data, k, values);
         for (c, channel) in data.channels[k].iter().enumerate() {
             let part = &mut out[channel.range.clone()];
-            self.processes[channel.process].whiten(&values[channel.range.clone()], part);
+            self.processes[channel.process].whiten(part);
             let factor = 1.0 / self.sizes[k][c];
             part.iter_mut().for_each(|x| *x *= factor);
         }

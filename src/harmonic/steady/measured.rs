@@ -26,14 +26,8 @@ pub(super) fn explained(
             None => Complex::new(0.0, 0.0),
         };
         let pushed = at(excitation);
-        let receptance: Vec<Complex<f64>> = system
-            .angular_frequency
-            .iter()
-            .zip(&system.damping_ratio)
-            .map(|(natural, ratio)| {
-                Complex::new(natural * natural - speed * speed, 2.0 * ratio * natural * speed).inv()
-            })
-            .collect();
+        let receptance: Vec<Complex<f64>> =
+            (0..modes).map(|mode| system.dynamic_stiffness(mode, speed).inv()).collect();
         let along = |shape: &[f64], acting: &[f64]| -> Complex<f64> {
             let terms = receptance.iter().zip(shape).zip(acting);
             terms.map(|((receptance, shape), acting)| receptance * (shape * acting)).sum()

@@ -36,7 +36,7 @@ impl Balance {
                 let carried =
                     (1..=carrying).map(|m| arm[m] * force(order - m) + arm[m].conj() * force(order + m));
                 let acting = arm[0] * force(order) + carried.sum::<Complex<f64>>();
-                response.push(-acting / self.dynamic_stiffness(mode, speed));
+                response.push(-acting / self.system.dynamic_stiffness(mode, speed));
             }
         }
         response
@@ -60,19 +60,13 @@ impl Balance {
             let mut yields = Complex::from(self.ports[0].flexibility);
             if order > self.harmonics {
                 let modes = 0..self.modes();
-                let of_modes = modes.map(|mode| arm(mode).powi(2) / self.dynamic_stiffness(mode, speed));
+                let of_modes =
+                    modes.map(|mode| arm(mode).powi(2) / self.system.dynamic_stiffness(mode, speed));
                 yields += of_modes.sum::<Complex<f64>>();
             }
             let all = (of_law + hung * moved) / (1.0 + hung * yields);
             (pair[0], pair[1]) = (all.re, -all.im);
         }
-    }
-
-    /// Of a mode, at `speed` (rad/s).
-    fn dynamic_stiffness(&self, mode: usize, speed: f64) -> Complex<f64> {
-        let natural = self.system.angular_frequency[mode];
-        let damping = 2.0 * self.system.damping_ratio[mode] * natural * speed;
-        Complex::new(natural * natural - speed * speed, damping)
     }
 
     /// Harmonics `0..=highest` of `w_i`, the contact's lever on a mode.

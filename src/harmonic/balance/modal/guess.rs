@@ -146,11 +146,7 @@ fn linear_response(balance: &mut Balance, angular_frequency: f64, excitation: &[
             _ if 2 * h < excitation.len() => Complex::new(excitation[2 * h - 1], -excitation[2 * h]),
             _ => break,
         };
-        let receptance = |i: usize| {
-            let natural = system.angular_frequency[i];
-            let dynamic = natural * natural - speed * speed;
-            Complex::new(dynamic, 2.0 * system.damping_ratio[i] * natural * speed).inv()
-        };
+        let receptance = |mode: usize| system.dynamic_stiffness(mode, speed).inv();
         let (mut free, mut own) = (Complex::new(0.0, 0.0), Complex::new(0.0, 0.0));
         for (i, (shape, driven)) in shape.iter().zip(&system.driven).enumerate() {
             free += receptance(i) * shape * driven * force;
