@@ -43,12 +43,6 @@ impl ModalPort {
 }
 
 impl ModalSystem {
-    /// Dynamic stiffness ω² − Ω² + 2 i ζ ω Ω of a mode at the angular frequency `speed` (rad/s), per unit of modal mass.
-    pub fn dynamic_stiffness(&self, mode: usize, speed: f64) -> Complex<f64> {
-        let (natural, ratio) = (self.angular_frequency[mode], self.damping_ratio[mode]);
-        Complex::new(natural * natural - speed * speed, 2.0 * ratio * natural * speed)
-    }
-
     /// Refuses other cores, lists that do not fit and numbers that make no sense.
     pub fn new(system: &System) -> Result<Self, HarmonicError> {
         let refuse = |message| Err(HarmonicError::InvalidInput(message));
@@ -99,6 +93,12 @@ impl ModalSystem {
             elements: system.elements.clone(),
             ports,
         })
+    }
+
+    /// Dynamic stiffness ω² − Ω² + 2 i ζ ω Ω of a mode at the angular frequency `speed` (rad/s), per unit of modal mass.
+    pub fn dynamic_stiffness(&self, mode: usize, speed: f64) -> Complex<f64> {
+        let (natural, ratio) = (self.angular_frequency[mode], self.damping_ratio[mode]);
+        Complex::new(natural * natural - speed * speed, 2.0 * ratio * natural * speed)
     }
 
     /// Number of modes.
