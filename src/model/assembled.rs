@@ -20,6 +20,9 @@ pub enum AssemblyError {
     Law(#[from] LawError),
 }
 
+/// A law with the normal load (N) that it is under.
+type Loaded = (Arc<dyn ContactLaw>, f64);
+
 impl Model {
     /// The model as a mechanical system, its effects included: a linear core, named ports and the elements at them. A
     /// contact of prescribed motion is an element alone, at the port `contact` of a system without coordinates. Faults of
@@ -45,14 +48,10 @@ impl Model {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn system(&self) -> Result<System, AssemblyError> {
-        let law = || {
-            let load = self.contact.as_ref().map_or(0.0, |contact| contact.normal_load);
-            let shared = |law| (Arc::<dyn ContactLaw>::from(law), load);
-            self.law().map(|law| law.map(shared))
-        };
         match &self.structure {
             Structure::Prescribed => {
-                let elements = law()?.map(|(law, normal_load)| Element::Law { port: 0, law, normal_load });
+                let elements =
+                    self.loaded_law()?.map(|(law, normal_load)| Element::Law { port: 0, law, normal_load });
                 Ok(System {
                     core: Core::Modal { angular_frequency: Vec::new(), damping_ratio: Vec::new() },
                     shortening: Vec::new(),
@@ -63,7 +62,7 @@ impl Model {
                 })
             }
             Structure::Beam(beam) => {
-                Ok(ModalBeam::with_changes(beam, &self.changes().structure)?.system(law()?)?)
+                self.system_on(&ModalBeam::with_changes(beam, &self.changes().structure)?)
             }
             Structure::PinRig(pinned) => {
                 let changes = self.changes().structure;
@@ -78,9 +77,19 @@ impl Model {
                 let changes = self.changes().structure;
                 let structure = oscillator.structure_with(&changes)?;
                 let added = Oscillator::added_laws(&changes)?.into_iter().map(|law| (Arc::from(law), 0.0));
-                Ok(structure.system(law()?.into_iter().chain(added).collect()))
+                Ok(structure.system(self.loaded_law()?.into_iter().chain(added).collect()))
             }
         }
+    }
+
+    /// The system with `modal` for the beam: of models that differ in the contact alone, it need be reduced once.
+    pub(crate) fn system_on(&self, modal: &ModalBeam) -> Result<System, AssemblyError> {
+        Ok(modal.system(self.loaded_law()?)?)
+    }
+
+    fn loaded_law(&self) -> Result<Option<Loaded>, LawError> {
+        let load = self.contact.as_ref().map_or(0.0, |contact| contact.normal_load);
+        self.law().map(|law| law.map(|law| (Arc::from(law), load)))
     }
 
     /// The system over the parameter at `path`, such as `contact.friction_coefficient`, under cos Ωt: what

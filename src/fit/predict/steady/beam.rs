@@ -5,7 +5,7 @@ use super::linearised::LinearisedAtMeasurement;
 use crate::data::{Channel, Record};
 use crate::fit::least_squares::{Parameter, Scale};
 use crate::fit::predict::channels::position;
-use crate::fit::predict::observed_system::{observed_assembly, observed_system};
+use crate::fit::predict::observed_system::{ObservedBeam, observed_assembly};
 use crate::fit::predict::simulation::{Direction, Seed, Simulation};
 use crate::harmonic::Assembly;
 use crate::harmonic::steady::Start;
@@ -33,7 +33,7 @@ const MOST_FINER: usize = 3;
 pub(in crate::fit::predict) struct SteadyBeam<'r> {
     record: &'r Record,
     channels: Vec<&'r Channel>,
-    positions: Vec<f64>,
+    beam: ObservedBeam,
     /// The highest mode (rad/s).
     highest: f64,
     solver: Solver,
@@ -58,7 +58,10 @@ impl<'r> SteadyBeam<'r> {
     ) -> Result<Self, String> {
         let positions: Vec<f64> =
             channels.iter().map(|channel| position(channel)).collect::<Result<_, _>>()?;
-        let highest = match &observed_system(model, &positions)?.core {
+        let mut beam = ObservedBeam::new(positions);
+        beam.reduce(model)?;
+        let system = beam.system(model)?;
+        let highest = match &system.core {
             Core::Modal { angular_frequency, .. } => angular_frequency.iter().copied().fold(0.0, f64::max),
             Core::Matrices { .. } => 0.0,
         };
@@ -71,14 +74,14 @@ impl<'r> SteadyBeam<'r> {
                 if let Some(Seed::Near(start)) = seed {
                     steady.start_from(start);
                 }
-                let assembly = observed_assembly(model, &positions, steady.measured.load.as_deref(), 0.0)?;
+                let assembly = observed_assembly(system, model, steady.measured.load.as_deref(), 0.0);
                 // Without a start later predictions search on their own.
                 let at = At { model, nuisances: &[0.0], assembly: &assembly };
                 let _ = steady.linearise(&at, &[], &mut Vec::new(), &mut []);
                 Solver::Balance(Box::new(steady))
             }
         };
-        Ok(Self { record, channels, positions, highest, solver, finer: None })
+        Ok(Self { record, channels, beam, highest, solver, finer: None })
     }
 
     /// The record in more harmonics than the solver has, `finer` times as many or [`MOST_FINER`], about its last solution.
@@ -133,7 +136,7 @@ impl<'r> SteadyBeam<'r> {
             Solver::Linearised(about) => about.load(),
         };
         let offset = nuisances.first().copied().unwrap_or(0.0);
-        observed_assembly(model, &self.positions, load, offset)
+        Ok(observed_assembly(self.beam.system(model)?, model, load, offset))
     }
 }
 
@@ -159,6 +162,7 @@ impl Simulation for SteadyBeam<'_> {
             .map(|contact| contact.friction_coefficient * contact.normal_load / contact.tangential_stiffness);
         let reach = elastic.filter(|reach| reach.is_finite() && *reach > 0.0).unwrap_or(NO_REACH);
         let (lower, upper) = (-MOST_OFFSET * reach, MOST_OFFSET * reach);
+        self.beam.reduce(model)?;
         let start = self.remembered_offset(model, upper).unwrap_or(0.0);
         Ok(vec![Parameter { start, lower, upper, scale: Scale::Linear }])
     }
@@ -173,6 +177,7 @@ impl Simulation for SteadyBeam<'_> {
     }
 
     fn predict(&mut self, model: &Model, nuisances: &[f64], out: &mut Vec<f64>) -> Result<(), String> {
+        self.beam.reduce(model)?;
         let assembly = self.assembly(model, nuisances)?;
         let at = At { model, nuisances, assembly: &assembly };
         match (&mut self.finer, &mut self.solver) {
@@ -190,6 +195,7 @@ impl Simulation for SteadyBeam<'_> {
         predictions: &mut Vec<f64>,
         derivatives: &mut Vec<Vec<f64>>,
     ) -> Result<(), String> {
+        self.beam.reduce(model)?;
         let assembly = self.assembly(model, nuisances)?;
         let neighbours = directions.iter().map(|there| self.assembly(&there.model, &there.nuisances));
         let neighbours: Vec<Assembly> = neighbours.collect::<Result<_, _>>()?;

@@ -102,7 +102,8 @@ impl BalancedOscillator {
     /// The system of `model` under the record's excitation.
     fn assembly(&self, model: &Model) -> Result<Assembly, HarmonicError> {
         let load = self.measured.load.as_deref();
-        let mut assembly = observed_assembly(model, &[], load, 0.0).map_err(HarmonicError::Model)?;
+        let system = model.system().map_err(|error| HarmonicError::Model(error.to_string()))?;
+        let mut assembly = observed_assembly(system, model, load, 0.0);
         assembly.system.driven = vec![assembly.system.sensors[self.excited]];
         assembly.waveform = self.measured.excitation.clone();
         let highest = assembly.waveform.iter().rposition(|f| *f != 0.0).unwrap_or(0);

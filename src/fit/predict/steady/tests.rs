@@ -228,7 +228,7 @@ fn refined_predictions_are_nearer_to_those_of_very_many_harmonics() {
         let highest = angular_frequency.iter().copied().fold(0.0, f64::max);
         let mut many = SteadyRecord::new(&record, &channels, highest, 8).unwrap();
         many.start_from_fewer(simulation.solution().unwrap());
-        let assembly = observed_assembly(&model, &[0.55, 0.1], None, 0.0).unwrap();
+        let assembly = observed_assembly(system, &model, None, 0.0);
         let mut reference = Vec::new();
         many.predict(&At { model: &model, nuisances: &[0.0], assembly: &assembly }, &mut reference).unwrap();
         let mut shown = |finer: usize| {
