@@ -1,112 +1,187 @@
 //! What the noise of the inputs makes of the parameters. A residual shows its size, not how it leads parameters astray: the
-//! model is driven by that noise, and follows it for a while as it would follow another parameter.
+//! model is driven by that noise, and follows it for a while as it would follow another parameter. And it shakes a contact
+//! beyond where the motion would have turned, again and again to the same side.
+//!
+//! Both are found by drawing other noise of the same colour (Efron's bootstrap, one step of Newton's method per drawing): the
+//! spread of what it does is added to the intervals, its mean is taken off.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::joint::{Joint, Whitened, dot};
+use super::joint::{Joint, Whitened, dot, minus};
 use super::latent::Latent;
 use super::measured::Measured;
 use super::posterior::{HERE, Posterior, UNSEEN, white_round};
 use super::slot::Slot;
-use crate::data::Record;
-use crate::diagnose::measurements::inputs::redrawn;
+use crate::diagnose::measurements::colour::Memories;
+use crate::diagnose::measurements::inputs::{Redrawn, redrawn};
 use crate::fit::predict::WRONG_BRANCH;
 use crate::model::Model;
 
-/// Times that the inputs of each record are driven with other noise: records beside each other add to the number.
-const TIMES: u64 = 4;
+/// Pairs of opposite noise that the inputs of each record are driven with: what is of first order cancels in a mean over each,
+/// and records beside each other add to the number.
+const PAIRS: usize = 2;
 const NARROW: &str = "the intervals do not allow for the noise of what drives the model";
 
-/// Adds to the covariance of the unknowns of `posterior` what the noise of the inputs gives them, to first order: how far each
-/// record moves them when its inputs have other noise, less what its residual says already.
+/// What a pair of opposite noise of the inputs changes of the predictions of a record.
+struct Driven {
+    /// What one of them changes and the other takes back.
+    odd: Vec<f64>,
+    /// What both change.
+    even: Vec<f64>,
+    /// The derivatives by the parameters under the first of them.
+    columns: Vec<Vec<f64>>,
+}
+
+/// Takes off the parameters of `posterior` what the noise of the inputs makes of them in the mean, and adds to their covariance
+/// what it gives them beyond what the residuals say already.
 ///
 /// # Errors
 /// Why it cannot be told; `posterior` is then unchanged.
-pub(super) fn widen(data: &Measured, posterior: &mut Posterior) -> Result<(), String> {
-    let seed = |k: usize, time: u64| k as u64 * TIMES + time;
-    let records: Vec<Vec<Record>> = (0..data.records.len())
-        .map(|k| {
-            let redrawn = |time| redrawn(&posterior.model, data.lane(k).record, seed(k, time));
-            (0..TIMES).filter_map(redrawn).collect()
-        })
-        .collect();
-    if records.iter().all(Vec::is_empty) {
+pub(super) fn allow_for_inputs(data: &Measured, posterior: &mut Posterior) -> Result<(), String> {
+    let redrawn = drawn(data, &posterior.model);
+    if redrawn.iter().all(Option::is_none) {
         return Ok(());
     }
-    let (latent, count) = (Latent::default(), posterior.unknowns.len());
-    let mut joint = Joint::new(data, &posterior.model, &posterior.unknowns, &latent)?;
-    let y = white_round(&mut joint, &posterior.y[..count], HERE)?;
+    let (latent, given) = (Latent::default(), posterior.clone());
+    let mut joint = Joint::new(data, &given.model, &given.unknowns, &latent)?;
+    let y = white_round(&mut joint, &given.y[..given.unknowns.len()], HERE)?;
     joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
-    let (sums, model, whitened) = (joint.sums_here(&y), joint.model(&y)?, joint.whitened());
-    let changes = |(k, slot): (usize, &mut Slot)| changes(data, k, slot, &model, &records[k]);
-    let changes = joint.slots.par_iter_mut().enumerate().map(changes);
-    let changes: Vec<Vec<Vec<f64>>> = changes.collect::<Result<_, String>>()?;
-    data.bench.count(changes.iter().map(Vec::len).sum());
+    let (sums, model, moved) = (joint.sums_here(&y), joint.model(&y)?, joint.moved(&y)?);
+    let driven = |(k, slot): (usize, &mut Slot)| driven(data, k, slot, &model, &moved, redrawn[k].as_ref());
+    let driven = joint.slots.par_iter_mut().enumerate().map(driven);
+    let driven: Vec<Vec<Driven>> = driven.collect::<Result<_, String>>()?;
+    data.bench.count(driven.iter().map(|driven| driven.len() * (2 + moved.len())).sum());
     let n = y.len();
     let factor = DMatrix::from_row_slice(n, n, &sums.curvature).cholesky();
     let inverse = factor.ok_or("the curvature is not positive")?.inverse();
-    let mut more = DMatrix::zeros(n, n);
-    for (k, (record, changes)) in whitened.iter().zip(&changes).enumerate() {
-        let whitened: Vec<Vec<f64>> =
-            changes.iter().map(|change| joint.noise.whiten(data, k, change)).collect();
-        if !whitened.is_empty() {
-            more += moved(&inverse, record, whitened);
+    let (mut spread, mut mean) = (DMatrix::zeros(n, n), DVector::zeros(n));
+    for (k, (record, driven)) in joint.whitened().iter().zip(&driven).enumerate() {
+        if !driven.is_empty() {
+            let driven: Vec<Driven> = driven.iter().map(|pair| pair.whitened(&joint, k)).collect();
+            mean += led(n, record, &driven);
+            spread += scattered(n, record, &driven);
         }
     }
-    if !more.iter().all(|x| x.is_finite()) {
+    let (spread, step) = (&inverse * spread * &inverse, &inverse * mean);
+    if !spread.iter().chain(&step).all(|x| x.is_finite()) {
         return Err(format!("{NARROW}: what it changes is not finite"));
     }
-    add(posterior, &more);
+    step_to(posterior, &joint, &y, step)?;
+    widen(posterior, &spread);
     Ok(())
 }
 
-/// What `records`, which are record `k` with other noise, change of its predictions.
-fn changes(
+/// Each record with other noise in what drives `model`.
+fn drawn(data: &Measured, model: &Model) -> Vec<Option<Redrawn>> {
+    let record = |k: usize| data.lane(k).record;
+    let memories = Memories::of(model, (0..data.records.len()).map(record));
+    (0..data.records.len()).map(|k| redrawn(model, record(k), &memories, (PAIRS, k as u64))).collect()
+}
+
+/// What the noise of `redrawn`, which is record `k` with other noise, changes of its predictions.
+fn driven(
     data: &Measured,
     k: usize,
     slot: &Slot,
     model: &Model,
-    records: &[Record],
-) -> Result<Vec<Vec<f64>>, String> {
+    moved: &[(Model, f64)],
+    redrawn: Option<&Redrawn>,
+) -> Result<Vec<Driven>, String> {
+    let Some(Redrawn { quiet, pairs }) = redrawn else { return Ok(Vec::new()) };
     let lane = data.lane(k);
-    let mut changes = Vec::new();
-    for record in records {
-        data.bench.unless_interrupted()?;
-        let change = slot.driven_by(model, record, lane);
-        changes.extend(change.ok().filter(|change| data.size_of(k, change) < WRONG_BRANCH));
+    let mut driven = Vec::new();
+    if let Ok((quiet, _)) = slot.driven_by(model, &[], quiet, lane) {
+        let near = |there: &Vec<f64>| data.size_of(k, &minus(there, &quiet)) < WRONG_BRANCH;
+        for [one, other] in pairs {
+            data.bench.unless_interrupted()?;
+            if let Ok((one, columns)) = slot.driven_by(model, moved, one, lane)
+                && let Ok((other, _)) = slot.driven_by(model, &[], other, lane)
+                && near(&one)
+                && near(&other)
+            {
+                driven.push(Driven::new(&one, &quiet, &other, columns));
+            }
+        }
     }
-    if !records.is_empty() && changes.len() < 2 {
+    if driven.is_empty() {
         return Err(format!("{NARROW}: `{}` has another response under other noise", lane.record.name));
     }
-    Ok(changes)
+    Ok(driven)
 }
 
-/// Covariance of the unknowns, of which `inverse` is that under the noise of the residual, by whitened `changes` of a record's
-/// predictions about their mean, beyond what white noise of their size would make: the residual holds that already.
-fn moved(inverse: &DMatrix<f64>, record: &Whitened, changes: Vec<Vec<f64>>) -> DMatrix<f64> {
-    let n = inverse.nrows();
-    let freedom = (changes.len() - 1) as f64;
-    let mean = |i: usize| changes.iter().map(|change| change[i]).sum::<f64>() / changes.len() as f64;
-    let centre: Vec<f64> = (0..record.residuals.len()).map(mean).collect();
+impl Driven {
+    /// Of predictions under one noise, under none and under its opposite.
+    fn new(one: &[f64], quiet: &[f64], other: &[f64], columns: Vec<Vec<f64>>) -> Self {
+        let odd = one.iter().zip(other).map(|(one, other)| 0.5 * (one - other)).collect();
+        let middle = one.iter().zip(other).map(|(one, other)| 0.5 * (one + other));
+        Self { odd, even: middle.zip(quiet).map(|(middle, quiet)| middle - quiet).collect(), columns }
+    }
+
+    /// In standard deviations of the noise of record `k`.
+    fn whitened(&self, joint: &Joint, k: usize) -> Self {
+        let whiten = |values: &Vec<f64>| joint.noise.whiten(joint.data, k, values);
+        let columns = self.columns.iter().map(whiten).collect();
+        Self { odd: whiten(&self.odd), even: whiten(&self.even), columns }
+    }
+}
+
+/// The mean over `driven` of what leads a step of Newton's method of `n` unknowns back from where that noise leads, to second
+/// order: what both of a pair change, and what one changes where its derivatives have changed, too.
+fn led(n: usize, record: &Whitened, driven: &[Driven]) -> DVector<f64> {
+    let mut mean = DVector::zeros(n);
+    for Driven { odd, even, columns } in driven {
+        record.columns.iter().for_each(|(i, column)| mean[*i] += dot(column, even));
+        // The past of a record, which comes after the parameters, is another unknown in each simulation.
+        for (there, (i, here)) in columns.iter().zip(&record.columns) {
+            mean[*i] += dot(there, odd) - dot(here, odd);
+        }
+    }
+    mean / driven.len() as f64
+}
+
+/// Mean square of the gradients of `n` unknowns that the noise of `driven` gives, beyond what white noise of its size would
+/// make: the residual holds that already.
+fn scattered(n: usize, record: &Whitened, driven: &[Driven]) -> DMatrix<f64> {
     let mut of_gradient = DMatrix::zeros(n, n);
     let mut square = 0.0;
-    for change in &changes {
-        let about: Vec<f64> = change.iter().zip(&centre).map(|(change, centre)| change - centre).collect();
+    for Driven { odd, .. } in driven {
         let mut gradient = DVector::zeros(n);
-        record.columns.iter().for_each(|(i, column)| gradient[*i] = dot(column, &about));
-        of_gradient += &gradient * gradient.transpose() / freedom;
-        square += dot(&about, &about) / freedom;
+        record.columns.iter().for_each(|(i, column)| gradient[*i] = dot(column, odd));
+        of_gradient += &gradient * gradient.transpose() / driven.len() as f64;
+        square += dot(odd, odd) / driven.len() as f64;
     }
-    let share = square / centre.len().max(1) as f64;
+    let share = square / record.residuals.len().max(1) as f64;
     for (i, one) in &record.columns {
         record.columns.iter().for_each(|(k, other)| of_gradient[(*i, *k)] -= share * dot(one, other));
     }
-    inverse * of_gradient * inverse
+    of_gradient
+}
+
+/// Moves `posterior` by `step` of all unknowns of `joint`, which is at `y`.
+fn step_to(
+    posterior: &mut Posterior,
+    joint: &Joint,
+    y: &[f64],
+    mut step: DVector<f64>,
+) -> Result<(), String> {
+    let (lower, upper) = joint.bounds();
+    for (i, step) in step.iter_mut().enumerate() {
+        *step = (y[i] + *step).clamp(lower[i], upper[i]) - y[i];
+    }
+    let moved: Vec<f64> = y.iter().zip(&step).map(|(y, step)| y + step).collect();
+    posterior.model = joint.model(&moved)?;
+    let count = posterior.unknowns.len();
+    posterior.y[..count].copy_from_slice(&moved[..count]);
+    let changes = joint.residuals().into_iter().zip(joint.residuals_after(&step));
+    for (predictions, (before, after)) in posterior.predictions.iter_mut().zip(changes) {
+        predictions.iter_mut().zip(before).zip(after).for_each(|((x, before), after)| *x += after - before);
+    }
+    Ok(())
 }
 
 /// Adds the covariance `more`, where it is one, to that of the unknowns.
-fn add(posterior: &mut Posterior, more: &DMatrix<f64>) {
+fn widen(posterior: &mut Posterior, more: &DMatrix<f64>) {
     let count = posterior.unknowns.len();
     let own = posterior.deviations.clone();
     let more = |i: usize, k: usize| if more[(i, i)] > 0.0 && more[(k, k)] > 0.0 { more[(i, k)] } else { 0.0 };
@@ -122,24 +197,30 @@ fn add(posterior: &mut Posterior, more: &DMatrix<f64>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::{Channel, Dataset, Regime};
+    use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::Assumptions;
     use crate::diagnose::evidence::samples::{from_rest, oscillator, slider};
     use crate::diagnose::evidence::{again, first};
+    use crate::diagnose::measurements::colour::Colour;
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
     use crate::fit::predict::predict;
     use crate::numeric::random::Random;
 
-    /// Mean square of how far the parameters are off, in deviations: as fitted, and widened.
-    fn off(truth: &Model, records: Vec<Record>) -> [f64; 2] {
+    /// As fitted, and with the noise of the inputs allowed for.
+    fn allowed(truth: &Model, records: Vec<Record>) -> [Posterior; 2] {
         let dataset = Dataset { title: None, records };
         let bench = WeightedDataset::new(truth, &dataset, Assumptions::default(), None).unwrap();
         let all: Vec<usize> = (0..dataset.records.len()).collect();
         let data = Measured::new(&bench, &all, &[], &[]);
         let fitted = first(&data, None, truth).and_then(|(first, _)| again(&data, &first)).unwrap();
-        let mut widened = fitted.clone();
-        widen(&data, &mut widened).unwrap();
-        [fitted, widened].map(|of| {
+        let mut allowed = fitted.clone();
+        allow_for_inputs(&data, &mut allowed).unwrap();
+        [fitted, allowed]
+    }
+
+    /// Mean square of how far the parameters are off, in deviations, of both.
+    fn off(truth: &Model, records: Vec<Record>) -> [f64; 2] {
+        allowed(truth, records).map(|of| {
             let squares = of.y.iter().zip(&of.deviations).map(|(y, deviation)| (y / deviation).powi(2));
             squares.sum::<f64>() / of.y.len() as f64
         })
@@ -189,6 +270,51 @@ mod tests {
             record
         };
         [4e-5, 8e-5].map(record).to_vec()
+    }
+
+    /// A contact that was at rest, its displacement slow and measured with noise that remembers.
+    fn shaken(truth: &Model, random: &mut Random) -> Vec<Record> {
+        let record = |amplitude: f64| {
+            let time = |i: u32| 2e-3 * f64::from(i);
+            let motion =
+                |i: u32| amplitude * (0.3 + 0.05 * time(i)) * (3.0 * time(i) * (1.0 + 0.1 * time(i))).sin();
+            let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+            let channels = vec![
+                channel("time", "s", (0..6000).map(time).collect()),
+                channel("displacement", "m", (0..6000).map(motion).collect()),
+                channel("force", "N", vec![0.0; 6000]),
+            ];
+            let mut record = Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels };
+            record.channels[2].values = predict(truth, &record).unwrap()[0].values.clone();
+            measured(&mut record, [0.0, 0.01], random);
+            let noise = Colour { deviation: 1e-3 * amplitude, memory: 0.95 }.drawn(6000, random);
+            record.channels[1].values.iter_mut().zip(noise).for_each(|(x, noise)| *x += noise);
+            record
+        };
+        [3e-5, 6e-5, 1.2e-4].map(record).to_vec()
+    }
+
+    #[test]
+    fn what_noise_does_to_one_side_is_taken_off() {
+        let truth = slider("");
+        let (mut bias, mut mean_off) = ([[0.0; 2]; 2], 0.0);
+        for seed in 0..12 {
+            let both = allowed(&truth, shaken(&truth, &mut Random::new(seed)));
+            for (bias, of) in bias.iter_mut().zip(&both) {
+                bias.iter_mut().zip(&of.y).for_each(|(bias, y)| *bias += y / 12.0);
+            }
+            let squares =
+                both[1].y.iter().zip(&both[1].deviations).map(|(y, deviation)| (y / deviation).powi(2));
+            mean_off += squares.sum::<f64>() / 24.0;
+        }
+        let [fitted, allowed] = bias;
+        // The stiffness is too low and the limit too high.
+        assert!(fitted[0] < -6e-4 && fitted[1] > 6e-4, "{fitted:?}");
+        assert!(
+            allowed.iter().zip(fitted).all(|(less, more)| less.abs() < 0.5 * more.abs()),
+            "{allowed:?} {fitted:?}"
+        );
+        assert!((0.3..1.8).contains(&mean_off), "{mean_off}");
     }
 
     #[test]

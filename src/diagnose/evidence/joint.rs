@@ -111,7 +111,7 @@ impl<'a, 'd> Joint<'a, 'd> {
     }
 
     /// The models a secant away along each parameter, with the steps.
-    fn moved(&self, y: &[f64]) -> Result<Vec<(Model, f64)>, String> {
+    pub fn moved(&self, y: &[f64]) -> Result<Vec<(Model, f64)>, String> {
         (0..self.unknowns.len())
             .map(|j| {
                 let (lower, upper) = self.unknowns[j].coordinate.bounds();

@@ -8,7 +8,7 @@
 //! grows sets from none by first `looks` and whole fits, and `neighbours` makes sure of the likely ones; `weights` makes
 //! probabilities of their evidence, `limits` tells what could not have been seen. Of the base and of the decided one
 //! `agreement` looks for a better minimum, `refined`, which also tells how fine steps in time must be, takes off their error and that
-//! of harmonics that are left out, and `driven` widens the intervals by what the noise of the inputs did.
+//! of harmonics that are left out, and `driven` allows for what the noise of the inputs did to the numbers.
 
 mod agreement;
 mod autoregression;
@@ -84,7 +84,7 @@ impl Weighed {
         if let Ok(refined) = refined::refined(data, posterior) {
             *posterior = refined;
         }
-        widen(data, posterior)
+        allow_for_inputs(data, posterior)
     }
 
     /// Whether all members of set `k` have a size when their intervals allow for the noise that drove the model.
@@ -92,7 +92,8 @@ impl Weighed {
         let Set { posterior, members, .. } = &self.sets[k];
         let determined = |of: &Posterior| members.iter().all(|member| of.determines(*member));
         let mut widened = posterior.clone();
-        determined(posterior) && (driven::widen(data, &mut widened).is_err() || determined(&widened))
+        determined(posterior)
+            && (driven::allow_for_inputs(data, &mut widened).is_err() || determined(&widened))
     }
 
     /// Tells the model without effects as `fitted`, where that leaves less: a residual that is no noise draws a fit that
@@ -103,14 +104,14 @@ impl Weighed {
             // Sets are compared by whole fits.
             let Posterior { log_evidence, log_peak, .. } = *known;
             *known = Posterior { log_evidence, log_peak, ..fitted };
-            widen(data, known);
+            allow_for_inputs(data, known);
         }
     }
 }
 
-/// Has the intervals of `posterior` allow for the noise of the inputs; why they do not, unless they were not to be told any more.
-pub(super) fn widen(data: &Measured, posterior: &mut Posterior) -> Option<String> {
-    driven::widen(data, posterior).err().filter(|_| !data.bench.interrupted())
+/// Has the numbers of `posterior` allow for the noise of the inputs; why they do not, unless they were not to be told any more.
+pub(super) fn allow_for_inputs(data: &Measured, posterior: &mut Posterior) -> Option<String> {
+    driven::allow_for_inputs(data, posterior).err().filter(|_| !data.bench.interrupted())
 }
 
 /// `model` refitted as it is: from where it is or, where motions are solved for, from what fits best about those that

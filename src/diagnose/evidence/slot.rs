@@ -1,6 +1,5 @@
 //! One record of a joint fit: its simulation, its own unknowns, and what it told last.
 
-use super::joint::minus;
 use super::unknown::Coordinate;
 use crate::data::Record;
 use crate::diagnose::measurements::weighted_dataset::{RecordResiduals, WeightedDataset};
@@ -73,12 +72,7 @@ impl<'d> Slot<'d> {
         steps: &[f64],
     ) -> Result<(), String> {
         let nuisances = self.own_values(y);
-        let direction = |(model, step): &(Model, f64)| Direction {
-            model: model.clone(),
-            nuisances: nuisances.clone(),
-            step: *step,
-        };
-        let mut directions: Vec<Direction> = moved.iter().map(direction).collect();
+        let mut directions: Vec<Direction> = directions(moved, &nuisances).collect();
         for (k, coordinate) in self.own.iter().enumerate() {
             let (here, size) = (y[self.offset + k], steps[self.offset + k]);
             // Towards the middle, where a start without influence is drawn: what stands in the way must be seen.
@@ -107,20 +101,22 @@ impl<'d> Slot<'d> {
         Ok(fine)
     }
 
-    /// What changes of the predictions at the last point that was linearised where `record` drives the model in place of that
-    /// of `lane`. An unknown past is sought anew: what its numbers mean belongs to the simulation that found it.
+    /// What is predicted where `record` drives the model in place of that of `lane`, and the derivatives along the `moved`
+    /// models there. An unknown past is sought anew: what its numbers mean belongs to the simulation that found it.
     pub fn driven_by(
         &self,
         model: &Model,
+        moved: &[(Model, f64)],
         record: &Record,
         lane: &RecordResiduals,
-    ) -> Result<Vec<f64>, String> {
+    ) -> Result<(Vec<f64>, Vec<Vec<f64>>), String> {
         let own = self.shown.solution().cloned().map(Seed::Near);
         let mut shown = lane.shown_as(model, record, own.as_ref().or(lane.seed.as_ref()))?;
-        let start = shown.settle(model)?;
-        let mut driven = Vec::new();
-        shown.predict(model, &start, &mut driven)?;
-        Ok(minus(&driven, &self.linearised))
+        let nuisances = shown.settle(model)?;
+        let directions: Vec<Direction> = directions(moved, &nuisances).collect();
+        let (mut driven, mut derivatives) = (Vec::new(), Vec::new());
+        shown.linearise(model, &nuisances, &directions, &mut driven, &mut derivatives)?;
+        Ok((driven, derivatives))
     }
 
     /// What each of `probes` changes about the predictions at `model` and the unknowns `y`; `None` for those that cannot be
@@ -189,6 +185,15 @@ impl<'d> Slot<'d> {
             *here = *tried;
         }
     }
+}
+
+/// To each of the `moved` models with the same `nuisances`.
+fn directions(moved: &[(Model, f64)], nuisances: &[f64]) -> impl Iterator<Item = Direction> {
+    moved.iter().map(|(model, step)| Direction {
+        model: model.clone(),
+        nuisances: nuisances.to_vec(),
+        step: *step,
+    })
 }
 
 #[cfg(test)]

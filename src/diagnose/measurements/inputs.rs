@@ -3,6 +3,7 @@
 
 use rayon::prelude::*;
 
+use super::colour::{Colour, Memories};
 use super::weighted_dataset::{RecordResiduals, WeightedDataset};
 use crate::data::{Channel, Record, Regime};
 use crate::fit::predict::{Motion, compared, drives, white_noise_of_few};
@@ -19,18 +20,62 @@ pub(in crate::diagnose) fn through(model: &Model, bench: &WeightedDataset) -> Ve
         .collect()
 }
 
-/// `record` with other noise in what drives `model` in place of that it has, another with another `seed`; `None` where it has
-/// none. Samples that are not evenly spaced keep theirs as well.
-pub(in crate::diagnose) fn redrawn(model: &Model, record: &Record, seed: u64) -> Option<Record> {
-    noisy(model, record, seed, |values| {
-        if let Some(step) = record.sample_step() {
-            *values = Motion::even(values, step).values;
-        }
-    })
+/// A record whose inputs have other noise than they had.
+pub(in crate::diagnose) struct Redrawn {
+    /// With none.
+    pub quiet: Record,
+    /// Pairs of opposite noise.
+    pub pairs: Vec<[Record; 2]>,
 }
 
-/// `record` with noise added to what drives `model`, after `prepare` has seen its values; `None` where it has none.
-fn noisy(model: &Model, record: &Record, seed: u64, prepare: impl Fn(&mut Vec<f64>)) -> Option<Record> {
+/// So many pairs of `record` with other noise in what drives `model` in place of that it has, others with another `seed`;
+/// `None` where it has none. Samples that are not evenly spaced keep theirs as well.
+pub(in crate::diagnose) fn redrawn(
+    model: &Model,
+    record: &Record,
+    memories: &Memories,
+    (count, seed): (usize, u64),
+) -> Option<Redrawn> {
+    let mut random = Random::new(seed);
+    let mut quiet = record.clone();
+    let mut noises = Vec::new();
+    for (k, channel) in record.channels.iter().enumerate() {
+        let drives = drives(model, record, channel);
+        let of = drives.then(|| colour(channel, record.regime, memories)).filter(|of| of.deviation > 0.0);
+        let Some(colour) = of else { continue };
+        if let Some(step) = record.sample_step() {
+            quiet.channels[k].values = Motion::even(&channel.values, step).values;
+        }
+        noises.push((k, colour));
+    }
+    let mut pair = || {
+        let mut pair = [quiet.clone(), quiet.clone()];
+        for (k, colour) in &noises {
+            let [one, other] = pair.each_mut().map(|record| &mut record.channels[*k].values);
+            let noise = colour.drawn(one.len(), &mut random);
+            for ((one, other), noise) in one.iter_mut().zip(other).zip(noise) {
+                *one += noise;
+                *other -= noise;
+            }
+        }
+        pair
+    };
+    let pairs = (0..count).map(|_| pair()).collect();
+    (!noises.is_empty()).then_some(Redrawn { quiet, pairs })
+}
+
+/// Noise of a driving channel and what it remembers: what the dataset states or what is seen.
+fn colour(channel: &Channel, regime: Regime, memories: &Memories) -> Colour {
+    let white = Colour { deviation: input_noise(channel, regime), memory: 0.0 };
+    if white.deviation == 0.0 {
+        return white;
+    }
+    let seen = memories.colour(channel.quantity(), &channel.values).unwrap_or(white);
+    Colour { deviation: channel.noise.unwrap_or(seen.deviation), ..seen }
+}
+
+/// `record` with white noise added to what drives `model`; `None` where it has none.
+fn noisy(model: &Model, record: &Record, seed: u64) -> Option<Record> {
     let mut noisy = record.clone();
     let mut random = Random::new(seed);
     let mut any = false;
@@ -38,7 +83,6 @@ fn noisy(model: &Model, record: &Record, seed: u64, prepare: impl Fn(&mut Vec<f6
         let noise = if drives(model, record, channel) { input_noise(channel, record.regime) } else { 0.0 };
         if noise > 0.0 {
             any = true;
-            prepare(&mut channel.values);
             channel.values.iter_mut().for_each(|value| *value += noise * random.normal());
         }
     }
@@ -47,7 +91,7 @@ fn noisy(model: &Model, record: &Record, seed: u64, prepare: impl Fn(&mut Vec<f6
 
 fn one(model: &Model, lane: &RecordResiduals, index: usize) -> Result<Vec<f64>, String> {
     let record = lane.record;
-    let Some(shaken) = noisy(model, record, index as u64, |_| ()) else { return Ok(Vec::new()) };
+    let Some(shaken) = noisy(model, record, index as u64) else { return Ok(Vec::new()) };
     let mut values = [Vec::new(), Vec::new()];
     for (record, values) in [record, &shaken].into_iter().zip(&mut values) {
         let mut shown = lane.shown_as(model, record, lane.seed.as_ref())?;

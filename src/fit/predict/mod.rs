@@ -27,7 +27,7 @@ mod unknown_start;
 pub(crate) use backbone::scatter_of_starts;
 pub use channels::unused_columns;
 pub(crate) use channels::{compared, derivative_order, deviation, drives};
-pub(crate) use motion::{Motion, white_noise, white_noise_of_few};
+pub(crate) use motion::{Motion, noise_over, white_noise, white_noise_of_few};
 pub(crate) use observed::ObservedSimulation;
 pub(crate) use period::period;
 pub(crate) use simulation::{Direction, Seed, WRONG_BRANCH};

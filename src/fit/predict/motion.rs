@@ -21,29 +21,42 @@ pub(crate) struct Motion {
 /// Standard deviation of white noise on smooth `values`, from fourth differences and their median, so that
 /// single corners do not count. Coloured noise is underestimated; values without noise have none.
 pub(crate) fn white_noise(values: &[f64]) -> f64 {
-    of_differences(values, 4, 0.5).unwrap_or(0.0)
+    of_differences(values, 4, 1, 0.5).unwrap_or(0.0)
+}
+
+/// Standard deviation that white noise would have to make the fourth differences of `values` over so many samples; `None`
+/// where they are not those of noise.
+pub(crate) fn noise_over(values: &[f64], spacing: usize) -> Option<f64> {
+    of_differences(values, 4, spacing, 0.9 * sign_changes(4))
 }
 
 /// As [`white_noise`], on `values` of a few samples a period, too, whose own fourth differences hide it: from the first higher
 /// ones that change their sign as those of noise do.
 pub(crate) fn white_noise_of_few(values: &[f64]) -> f64 {
-    // Neighbouring differences of white noise have the correlation −d/(d + 1).
-    let changes = |order: usize| (-(order as f64) / (order + 1) as f64).acos() / PI;
-    let higher = |order: &usize| of_differences(values, *order, 0.9 * changes(*order));
-    of_differences(values, 4, 0.5).or_else(|| [6, 8, 10, 12].iter().find_map(higher)).unwrap_or(0.0)
+    let higher = |order: &usize| of_differences(values, *order, 1, 0.9 * sign_changes(*order));
+    of_differences(values, 4, 1, 0.5).or_else(|| [6, 8, 10, 12].iter().find_map(higher)).unwrap_or(0.0)
 }
 
-/// Standard deviation of white noise from the median of differences of an even `order`; `None` where no more than the part
-/// `least` of them change their sign: those of noise do nearly every time, those of a smooth curve twice a period.
-fn of_differences(values: &[f64], order: usize, least: f64) -> Option<f64> {
+/// Part of the differences of white noise that have another sign than their neighbour: the correlation of the two is
+/// −d/(d + 1) for those of order d.
+fn sign_changes(order: usize) -> f64 {
+    (-(order as f64) / (order + 1) as f64).acos() / PI
+}
+
+/// Standard deviation of white noise from the median of differences of an even `order` over `spacing` samples; `None` where no
+/// more than the part `least` of them change their sign: those of noise do nearly every time, those of a smooth curve twice a
+/// period.
+fn of_differences(values: &[f64], order: usize, spacing: usize, least: f64) -> Option<f64> {
     let mut weights = vec![1.0];
     for _ in 0..order {
         let before = |k: usize| if k == 0 { 0.0 } else { weights[k - 1] };
         weights = (0..=weights.len()).map(|k| weights.get(k).unwrap_or(&0.0) - before(k)).collect();
     }
-    let difference = |w: &[f64]| w.iter().zip(&weights).map(|(value, weight)| value * weight).sum::<f64>();
-    let mut differences: Vec<f64> = values.windows(order + 1).map(difference).collect();
-    let changes = differences.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count();
+    let difference =
+        |w: &[f64]| w.iter().step_by(spacing).zip(&weights).map(|(x, weight)| x * weight).sum::<f64>();
+    let mut differences: Vec<f64> = values.windows(order * spacing + 1).map(difference).collect();
+    let neighbours = differences.iter().zip(differences.iter().skip(spacing));
+    let changes = neighbours.filter(|(one, next)| *one * *next < 0.0).count();
     if changes as f64 <= least * differences.len() as f64 {
         return None;
     }
