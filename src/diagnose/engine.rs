@@ -161,7 +161,7 @@ fn diagnosis(
     let test = Measured::new(&bench, &parts.test, &measured, &through);
     let all = Measured::new(&bench, &parts.all(), &measured, &through);
     let decision = Decision::of(&context, &weighed).confirmed(&context, &weighed, &test, &all);
-    let narrow = weighed.assure(decision.best, &data);
+    let not_allowed = weighed.assure(decision.best, &data);
     if !bench.interrupted() {
         progress.tell("the parameters told, from other starts and in finer steps");
     }
@@ -172,7 +172,7 @@ fn diagnosis(
         verdict::of(&context, &weighed, decision, [&test, &all], (baseline, measured, untried));
     let reasons = &mut diagnosis.reasons;
     reasons.extend(split::copies(dataset));
-    reasons.extend(lost.into_iter().chain(narrow));
+    reasons.extend(lost.into_iter().chain(not_allowed));
     if let Some(only) = &options.effects {
         let only = only.join(", ");
         reasons.push(format!("only {only} was tried: the result says nothing of the other effects"));

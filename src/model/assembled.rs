@@ -82,7 +82,8 @@ impl Model {
         }
     }
 
-    /// The system with `modal` for the beam: of models that differ in the contact alone, it need be reduced once.
+    /// The system with `modal` for the beam, which is this model's, its effects on the structure included: for models that
+    /// differ in the contact alone, a beam is reduced only once.
     pub(crate) fn system_on(&self, modal: &ModalBeam) -> Result<System, AssemblyError> {
         Ok(modal.system(self.loaded_law()?)?)
     }

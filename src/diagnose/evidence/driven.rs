@@ -2,13 +2,13 @@
 //! model is driven by that noise, and follows it for a while as it would follow another parameter. And it shakes a contact
 //! beyond where the motion would have turned, again and again to the same side.
 //!
-//! Both are found by drawing other noise of the same colour (Efron's bootstrap, one step of Newton's method per drawing): the
-//! spread of what it does is added to the intervals, its mean is taken off.
+//! Both are found by drawing other noise of the same colour (a parametric bootstrap, with the derivatives in place of fits): the
+//! scatter of what it does is added to the intervals, its mean is taken off.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::joint::{Joint, Whitened, dot, minus};
+use super::joint::{Joint, Whitened, dot, first_failure, minus};
 use super::latent::Latent;
 use super::measured::Measured;
 use super::posterior::{HERE, Posterior, UNSEEN, white_round};
@@ -18,23 +18,31 @@ use crate::diagnose::measurements::inputs::{Redrawn, redrawn};
 use crate::fit::predict::WRONG_BRANCH;
 use crate::model::Model;
 
-/// Pairs of opposite noise that the inputs of each record are driven with: what is of first order cancels in a mean over each,
-/// and records beside each other add to the number.
+/// Pairs of opposite noises that the inputs of each record are driven with; records beside each other add to the number.
 const PAIRS: usize = 2;
-const NARROW: &str = "the intervals do not allow for the noise of what drives the model";
+const NOT_ALLOWED: &str = "the numbers do not allow for the noise of what drives the model";
 
-/// What a pair of opposite noise of the inputs changes of the predictions of a record.
+/// What other noise of its inputs changes of the predictions of a record.
+#[derive(Default)]
 struct Driven {
+    /// The derivatives by the parameters without that noise.
+    columns: Vec<Vec<f64>>,
+    pairs: Vec<Pair>,
+}
+
+/// The same by two opposite noises.
+struct Pair {
     /// What one of them changes and the other takes back.
     odd: Vec<f64>,
     /// What both change.
     even: Vec<f64>,
-    /// The derivatives by the parameters under the first of them.
+    /// The derivatives under the first of them.
     columns: Vec<Vec<f64>>,
 }
 
 /// Takes off the parameters of `posterior` what the noise of the inputs makes of them in the mean, and adds to their covariance
-/// what it gives them beyond what the residuals say already.
+/// what it gives them beyond what the residuals say already. Predictions stay those that all was compared by, and so do
+/// unknowns at their bounds.
 ///
 /// # Errors
 /// Why it cannot be told; `posterior` is then unchanged.
@@ -43,33 +51,56 @@ pub(super) fn allow_for_inputs(data: &Measured, posterior: &mut Posterior) -> Re
     if redrawn.iter().all(Option::is_none) {
         return Ok(());
     }
-    let (latent, given) = (Latent::default(), posterior.clone());
-    let mut joint = Joint::new(data, &given.model, &given.unknowns, &latent)?;
-    let y = white_round(&mut joint, &given.y[..given.unknowns.len()], HERE)?;
+    let not_allowed = |reason: String| format!("{NOT_ALLOWED}: {reason}");
+    let Shifted { model, y, more } = shifted(data, posterior, &redrawn).map_err(not_allowed)?;
+    posterior.model = model;
+    posterior.y[..y.len()].copy_from_slice(&y);
+    widen(posterior, &more);
+    Ok(())
+}
+
+/// Parameters without what the noise of the inputs made of them, and the covariance by which that scatters.
+struct Shifted {
+    model: Model,
+    y: Vec<f64>,
+    more: DMatrix<f64>,
+}
+
+fn shifted(data: &Measured, posterior: &Posterior, redrawn: &[Option<Redrawn>]) -> Result<Shifted, String> {
+    let (latent, count) = (Latent::default(), posterior.unknowns.len());
+    let mut joint = Joint::new(data, &posterior.model, &posterior.unknowns, &latent)?;
+    let y = white_round(&mut joint, &posterior.y[..count], HERE)?;
     joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
     let (sums, model, moved) = (joint.sums_here(&y), joint.model(&y)?, joint.moved(&y)?);
-    let driven = |(k, slot): (usize, &mut Slot)| driven(data, k, slot, &model, &moved, redrawn[k].as_ref());
-    let driven = joint.slots.par_iter_mut().enumerate().map(driven);
-    let driven: Vec<Vec<Driven>> = driven.collect::<Result<_, String>>()?;
-    data.bench.count(driven.iter().map(|driven| driven.len() * (2 + moved.len())).sum());
+    let of = |(k, slot): (usize, &mut Slot)| Driven::of(data, k, slot, &model, &moved, redrawn[k].as_ref());
+    let driven = first_failure(joint.slots.par_iter_mut().enumerate().map(of))?;
+    let runs = |driven: &Driven| (1 + 2 * driven.pairs.len()) + (1 + driven.pairs.len()) * moved.len();
+    data.bench.count(joint.simulations + driven.iter().map(runs).sum::<usize>());
     let n = y.len();
-    let factor = DMatrix::from_row_slice(n, n, &sums.curvature).cholesky();
-    let inverse = factor.ok_or("the curvature is not positive")?.inverse();
-    let (mut spread, mut mean) = (DMatrix::zeros(n, n), DVector::zeros(n));
+    let mut curvature = DMatrix::from_row_slice(n, n, &sums.curvature);
+    let held = joint.hold(&y, &mut curvature);
+    let inverse = curvature.cholesky().ok_or("the curvature is not positive")?.inverse();
+    let (mut scatter, mut mean) = (DMatrix::zeros(n, n), DVector::zeros(n));
     for (k, (record, driven)) in joint.whitened().iter().zip(&driven).enumerate() {
-        if !driven.is_empty() {
-            let driven: Vec<Driven> = driven.iter().map(|pair| pair.whitened(&joint, k)).collect();
-            mean += led(n, record, &driven);
-            spread += scattered(n, record, &driven);
+        if !driven.pairs.is_empty() {
+            let driven = driven.whitened(&joint, k);
+            scatter += driven.scattered(n, record);
+            let (of_record, its_error) = driven.mean(n, record);
+            (mean, scatter) = (mean + of_record, scatter + its_error);
         }
     }
-    let (spread, step) = (&inverse * spread * &inverse, &inverse * mean);
-    if !spread.iter().chain(&step).all(|x| x.is_finite()) {
-        return Err(format!("{NARROW}: what it changes is not finite"));
+    for i in held {
+        scatter.row_mut(i).fill(0.0);
+        scatter.column_mut(i).fill(0.0);
+        mean[i] = 0.0;
     }
-    step_to(posterior, &joint, &y, step)?;
-    widen(posterior, &spread);
-    Ok(())
+    let (more, step) = (&inverse * scatter * &inverse, &inverse * mean);
+    if !more.iter().chain(&step).all(|x| x.is_finite()) {
+        return Err("what it changes is not finite".to_owned());
+    }
+    let (lower, upper) = joint.bounds();
+    let y: Vec<f64> = (0..count).map(|i| (y[i] + step[i]).clamp(lower[i], upper[i])).collect();
+    Ok(Shifted { model: joint.model(&y)?, y, more })
 }
 
 /// Each record with other noise in what drives `model`.
@@ -79,105 +110,99 @@ fn drawn(data: &Measured, model: &Model) -> Vec<Option<Redrawn>> {
     (0..data.records.len()).map(|k| redrawn(model, record(k), &memories, (PAIRS, k as u64))).collect()
 }
 
-/// What the noise of `redrawn`, which is record `k` with other noise, changes of its predictions.
-fn driven(
-    data: &Measured,
-    k: usize,
-    slot: &Slot,
-    model: &Model,
-    moved: &[(Model, f64)],
-    redrawn: Option<&Redrawn>,
-) -> Result<Vec<Driven>, String> {
-    let Some(Redrawn { quiet, pairs }) = redrawn else { return Ok(Vec::new()) };
-    let lane = data.lane(k);
-    let mut driven = Vec::new();
-    if let Ok((quiet, _)) = slot.driven_by(model, &[], quiet, lane) {
-        let near = |there: &Vec<f64>| data.size_of(k, &minus(there, &quiet)) < WRONG_BRANCH;
-        for [one, other] in pairs {
+impl Driven {
+    /// What the noise of `redrawn`, which is record `k` with other noise, changes of its predictions.
+    fn of(
+        data: &Measured,
+        k: usize,
+        slot: &Slot,
+        model: &Model,
+        moved: &[(Model, f64)],
+        redrawn: Option<&Redrawn>,
+    ) -> Result<Self, String> {
+        let Some(Redrawn { quiet, pairs: redrawn }) = redrawn else { return Ok(Self::default()) };
+        let lane = data.lane(k);
+        let another = || format!("`{}` has another response under other noise", lane.record.name);
+        let near = |there: &[f64], here: &[f64]| data.size_of(k, &minus(there, here)) < WRONG_BRANCH;
+        let (quiet, columns) = slot.driven_by(model, moved, quiet, lane)?;
+        if !near(&quiet, &slot.linearised) {
+            return Err(another());
+        }
+        let mut pairs = Vec::new();
+        for [one, other] in redrawn {
             data.bench.unless_interrupted()?;
             if let Ok((one, columns)) = slot.driven_by(model, moved, one, lane)
                 && let Ok((other, _)) = slot.driven_by(model, &[], other, lane)
-                && near(&one)
-                && near(&other)
+                && near(&one, &quiet)
+                && near(&other, &quiet)
             {
-                driven.push(Driven::new(&one, &quiet, &other, columns));
+                pairs.push(Pair::new(&one, &quiet, &other, columns));
             }
         }
+        if pairs.is_empty() { Err(another()) } else { Ok(Self { columns, pairs }) }
     }
-    if driven.is_empty() {
-        return Err(format!("{NARROW}: `{}` has another response under other noise", lane.record.name));
+
+    /// In standard deviations of the noise of record `k`.
+    fn whitened(&self, joint: &Joint, k: usize) -> Self {
+        let whiten = |values: &Vec<f64>| joint.noise.whiten(joint.data, k, values);
+        let all = |columns: &[Vec<f64>]| columns.iter().map(whiten).collect();
+        let pair = |Pair { odd, even, columns }: &Pair| Pair {
+            odd: whiten(odd),
+            even: whiten(even),
+            columns: all(columns),
+        };
+        Self { columns: all(&self.columns), pairs: self.pairs.iter().map(pair).collect() }
     }
-    Ok(driven)
+
+    /// Mean gradient of `n` unknowns that this noise gives, to second order in it, and the covariance of that mean: what both
+    /// of a pair change, and what one changes where it changes the derivatives, too.
+    fn mean(&self, n: usize, record: &Whitened) -> (DVector<f64>, DMatrix<f64>) {
+        let count = self.pairs.len() as f64;
+        let gradient = |pair: &Pair| {
+            let mut gradient = DVector::zeros(n);
+            record.columns.iter().for_each(|(i, column)| gradient[*i] = dot(column, &pair.even));
+            // The past of a record, which comes after the parameters, is another unknown in each simulation.
+            for (i, (there, here)) in pair.columns.iter().zip(&self.columns).enumerate() {
+                gradient[i] += dot(there, &pair.odd) - dot(here, &pair.odd);
+            }
+            gradient
+        };
+        let of_pairs: Vec<DVector<f64>> = self.pairs.iter().map(gradient).collect();
+        let mean = of_pairs.iter().fold(DVector::zeros(n), |sum, of| sum + of) / count;
+        let mut covariance = DMatrix::zeros(n, n);
+        for of in of_pairs.iter().filter(|_| count > 1.0) {
+            let about = of - &mean;
+            covariance += &about * about.transpose() / (count * (count - 1.0));
+        }
+        (mean, covariance)
+    }
+
+    /// Mean square of the gradients of `n` unknowns that this noise gives, beyond what white noise of its size would make: the
+    /// residual holds that already.
+    fn scattered(&self, n: usize, record: &Whitened) -> DMatrix<f64> {
+        let mut of_gradient = DMatrix::zeros(n, n);
+        let mut square = 0.0;
+        for Pair { odd, .. } in &self.pairs {
+            let mut gradient = DVector::zeros(n);
+            record.columns.iter().for_each(|(i, column)| gradient[*i] = dot(column, odd));
+            of_gradient += &gradient * gradient.transpose() / self.pairs.len() as f64;
+            square += dot(odd, odd) / self.pairs.len() as f64;
+        }
+        let share = square / record.residuals.len().max(1) as f64;
+        for (i, one) in &record.columns {
+            record.columns.iter().for_each(|(k, other)| of_gradient[(*i, *k)] -= share * dot(one, other));
+        }
+        of_gradient
+    }
 }
 
-impl Driven {
+impl Pair {
     /// Of predictions under one noise, under none and under its opposite.
     fn new(one: &[f64], quiet: &[f64], other: &[f64], columns: Vec<Vec<f64>>) -> Self {
         let odd = one.iter().zip(other).map(|(one, other)| 0.5 * (one - other)).collect();
         let middle = one.iter().zip(other).map(|(one, other)| 0.5 * (one + other));
         Self { odd, even: middle.zip(quiet).map(|(middle, quiet)| middle - quiet).collect(), columns }
     }
-
-    /// In standard deviations of the noise of record `k`.
-    fn whitened(&self, joint: &Joint, k: usize) -> Self {
-        let whiten = |values: &Vec<f64>| joint.noise.whiten(joint.data, k, values);
-        let columns = self.columns.iter().map(whiten).collect();
-        Self { odd: whiten(&self.odd), even: whiten(&self.even), columns }
-    }
-}
-
-/// The mean over `driven` of what leads a step of Newton's method of `n` unknowns back from where that noise leads, to second
-/// order: what both of a pair change, and what one changes where its derivatives have changed, too.
-fn led(n: usize, record: &Whitened, driven: &[Driven]) -> DVector<f64> {
-    let mut mean = DVector::zeros(n);
-    for Driven { odd, even, columns } in driven {
-        record.columns.iter().for_each(|(i, column)| mean[*i] += dot(column, even));
-        // The past of a record, which comes after the parameters, is another unknown in each simulation.
-        for (there, (i, here)) in columns.iter().zip(&record.columns) {
-            mean[*i] += dot(there, odd) - dot(here, odd);
-        }
-    }
-    mean / driven.len() as f64
-}
-
-/// Mean square of the gradients of `n` unknowns that the noise of `driven` gives, beyond what white noise of its size would
-/// make: the residual holds that already.
-fn scattered(n: usize, record: &Whitened, driven: &[Driven]) -> DMatrix<f64> {
-    let mut of_gradient = DMatrix::zeros(n, n);
-    let mut square = 0.0;
-    for Driven { odd, .. } in driven {
-        let mut gradient = DVector::zeros(n);
-        record.columns.iter().for_each(|(i, column)| gradient[*i] = dot(column, odd));
-        of_gradient += &gradient * gradient.transpose() / driven.len() as f64;
-        square += dot(odd, odd) / driven.len() as f64;
-    }
-    let share = square / record.residuals.len().max(1) as f64;
-    for (i, one) in &record.columns {
-        record.columns.iter().for_each(|(k, other)| of_gradient[(*i, *k)] -= share * dot(one, other));
-    }
-    of_gradient
-}
-
-/// Moves `posterior` by `step` of all unknowns of `joint`, which is at `y`.
-fn step_to(
-    posterior: &mut Posterior,
-    joint: &Joint,
-    y: &[f64],
-    mut step: DVector<f64>,
-) -> Result<(), String> {
-    let (lower, upper) = joint.bounds();
-    for (i, step) in step.iter_mut().enumerate() {
-        *step = (y[i] + *step).clamp(lower[i], upper[i]) - y[i];
-    }
-    let moved: Vec<f64> = y.iter().zip(&step).map(|(y, step)| y + step).collect();
-    posterior.model = joint.model(&moved)?;
-    let count = posterior.unknowns.len();
-    posterior.y[..count].copy_from_slice(&moved[..count]);
-    let changes = joint.residuals().into_iter().zip(joint.residuals_after(&step));
-    for (predictions, (before, after)) in posterior.predictions.iter_mut().zip(changes) {
-        predictions.iter_mut().zip(before).zip(after).for_each(|((x, before), after)| *x += after - before);
-    }
-    Ok(())
 }
 
 /// Adds the covariance `more`, where it is one, to that of the unknowns.
@@ -303,6 +328,7 @@ mod tests {
             for (bias, of) in bias.iter_mut().zip(&both) {
                 bias.iter_mut().zip(&of.y).for_each(|(bias, y)| *bias += y / 12.0);
             }
+            assert_eq!(both[0].predictions, both[1].predictions);
             let squares =
                 both[1].y.iter().zip(&both[1].deviations).map(|(y, deviation)| (y / deviation).powi(2));
             mean_off += squares.sum::<f64>() / 24.0;
@@ -331,5 +357,10 @@ mod tests {
         let truth = slider("");
         let [fitted, widened] = mean_off(&truth, |random| loops(&truth, random));
         assert!((0.3..2.0).contains(&widened) && widened > 0.6 * fitted, "{fitted} {widened}");
+        for seed in 0..4 {
+            let [fitted, allowed] = allowed(&truth, loops(&truth, &mut Random::new(seed)));
+            let shifts = fitted.y.iter().zip(&allowed.y).map(|(before, after)| (after - before).abs());
+            assert!(shifts.zip(&allowed.deviations).all(|(shift, deviation)| shift < 0.7 * deviation));
+        }
     }
 }

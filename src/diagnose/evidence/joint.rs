@@ -1,6 +1,6 @@
 //! A model's unknowns, those of the records' starts and of a discrepancy, as one sum of squares over whitened residuals.
 
-use nalgebra::{DVector, DVectorView};
+use nalgebra::{DMatrix, DVector, DVectorView};
 use rayon::prelude::*;
 
 use super::latent::Latent;
@@ -108,6 +108,18 @@ impl<'a, 'd> Joint<'a, 'd> {
             .chain(latent)
             .chain(self.slots.iter().flat_map(|slot| slot.own.iter().map(Coordinate::bounds)))
             .unzip()
+    }
+
+    /// Has the unknowns that are at their bounds at `y` stay there under `curvature`; which they are.
+    pub fn hold(&self, y: &[f64], curvature: &mut DMatrix<f64>) -> Vec<usize> {
+        let (lower, upper) = self.bounds();
+        let held: Vec<usize> = (0..y.len()).filter(|i| y[*i] <= lower[*i] || y[*i] >= upper[*i]).collect();
+        for i in &held {
+            curvature.row_mut(*i).fill(0.0);
+            curvature.column_mut(*i).fill(0.0);
+            curvature[(*i, *i)] = 1.0;
+        }
+        held
     }
 
     /// The models a secant away along each parameter, with the steps.

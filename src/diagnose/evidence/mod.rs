@@ -73,7 +73,7 @@ pub(super) struct Weighed {
 
 impl Weighed {
     /// Makes sure of the parameters of the set that was `decided` for: no better fit lies near, the error of predictions is
-    /// no part of them, and their intervals allow for the noise that drove the model; why not, if they do not. Only of what is
+    /// no part of them, and they allow for the noise that drove the model; why not, if they do not. Only of what is
     /// told, after the decision: all sets were compared by the same predictions.
     pub fn assure(&mut self, decided: usize, data: &Measured) -> Option<String> {
         let posterior = &mut self.sets[decided].posterior;
@@ -87,7 +87,7 @@ impl Weighed {
         allow_for_inputs(data, posterior)
     }
 
-    /// Whether all members of set `k` have a size when their intervals allow for the noise that drove the model.
+    /// Whether all members of set `k` have a size when they allow for the noise that drove the model.
     pub fn is_determined(&self, k: usize, data: &Measured) -> bool {
         let Set { posterior, members, .. } = &self.sets[k];
         let determined = |of: &Posterior| members.iter().all(|member| of.determines(*member));
@@ -109,7 +109,7 @@ impl Weighed {
     }
 }
 
-/// Has the numbers of `posterior` allow for the noise of the inputs; why they do not, unless they were not to be told any more.
+/// Has the numbers of `posterior` allow for the noise of the inputs; why they do not, but for an interrupt.
 pub(super) fn allow_for_inputs(data: &Measured, posterior: &mut Posterior) -> Option<String> {
     driven::allow_for_inputs(data, posterior).err().filter(|_| !data.bench.interrupted())
 }

@@ -17,7 +17,8 @@ use crate::model::Model;
 pub(in crate::diagnose) struct Posterior {
     pub model: Model,
     pub unknowns: Vec<Unknown>,
-    /// The coordinates of the unknowns, then the weights of a discrepancy.
+    /// The coordinates of the unknowns, then the weights of a discrepancy. Of what is told, without the errors of predictions and
+    /// what noise of the inputs made of them.
     pub y: Vec<f64>,
     pub log_evidence: f64,
     /// Of the most probable parameters alone, without the volume around them.

@@ -108,18 +108,14 @@ impl Refined {
             record.columns.iter().for_each(|(i, column)| gradient[*i] += dot(column, &error));
         }
         let mut curvature = DMatrix::from_row_slice(n, n, &sums.curvature);
-        let (lower, upper) = joint.bounds();
-        for i in (0..n).filter(|i| y[*i] <= lower[*i] || y[*i] >= upper[*i]) {
-            curvature.row_mut(i).fill(0.0);
-            curvature.column_mut(i).fill(0.0);
-            (curvature[(i, i)], gradient[i]) = (1.0, 0.0);
-        }
+        joint.hold(y, &mut curvature).into_iter().for_each(|i| gradient[i] = 0.0);
         let factor = curvature.cholesky().ok_or("the curvature is not positive")?;
         let step = factor.solve(&gradient);
         let deviations = step.dot(&gradient).sqrt();
         if !deviations.is_finite() {
             return Err("the error of the predictions is not finite".to_owned());
         }
+        let (lower, upper) = joint.bounds();
         let inside = |i: usize| (y[i] - step[i]).max(lower[i]).min(upper[i]);
         Ok(Self { cost, moved: (0..n).map(inside).collect(), deviations })
     }

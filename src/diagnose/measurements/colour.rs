@@ -11,10 +11,10 @@ use crate::numeric::random::Random;
 
 /// Samples between the values of a difference.
 const SPACINGS: [usize; 5] = [1, 2, 4, 8, 16];
-/// Memories tried, from none in equal steps of this.
-const STEP: f64 = 0.01;
-/// A memory of so many of the longest differences cannot be told from one without an end.
-const LONGEST: f64 = 4.0;
+/// Memories tried, over the shortest and the longest time between such values: what is shorter is none, what is longer cannot
+/// be told from one without an end. And how many to an octave.
+const RANGE: [f64; 2] = [0.25, 4.0];
+const TO_AN_OCTAVE: f64 = 8.0;
 
 /// A process of order one: its standard deviation, and how much of a sample the next one keeps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,7 +37,7 @@ impl Colour {
     }
 }
 
-/// How much of a sample's noise the next one keeps, by the quantity that drives a model: its records share it.
+/// The time (s) after which a share of 1/e is left of noise, by the quantity that drives a model: its records share it.
 #[derive(Debug, Default)]
 pub(in crate::diagnose) struct Memories(Vec<(String, f64)>);
 
@@ -45,9 +45,10 @@ impl Memories {
     /// Of all that drives `model` in `records`.
     pub fn of<'r>(model: &Model, records: impl Iterator<Item = &'r Record>) -> Self {
         let mut quantities: Vec<(String, Vec<Differences>)> = Vec::new();
-        for record in records.filter(|record| record.sample_step().is_some()) {
+        for record in records {
+            let Some(step) = record.sample_step() else { continue };
             for channel in record.channels.iter().filter(|channel| drives(model, record, channel)) {
-                let differences = Differences::of(&channel.values);
+                let differences = Differences::of(&channel.values, step);
                 match quantities.iter_mut().find(|(quantity, _)| quantity == channel.quantity()) {
                     Some((_, known)) => known.push(differences),
                     None => quantities.push((channel.quantity().to_owned(), vec![differences])),
@@ -57,66 +58,83 @@ impl Memories {
         Self(quantities.into_iter().map(|(quantity, of)| (quantity, memory(&of))).collect())
     }
 
-    /// The noise of `values` of a quantity; `None` where they do not show it.
-    pub fn colour(&self, quantity: &str, values: &[f64]) -> Option<Colour> {
+    /// The noise of `values` of a quantity every `step` seconds; `None` where they do not show it.
+    pub fn colour(&self, quantity: &str, values: &[f64], step: f64) -> Option<Colour> {
         let memory = self.0.iter().find(|(known, _)| known == quantity).map_or(0.0, |(_, memory)| *memory);
-        let deviation = Differences::of(values).deviation(memory)?;
-        Some(Colour { deviation, memory })
+        let deviation = Differences::of(values, step).deviation(memory)?;
+        Some(Colour { deviation, memory: kept(memory, step) })
     }
 }
 
-/// What the differences of a record say as long as they are those of noise: the deviation of white noise that would make those
-/// of each of the first [`SPACINGS`], and the weight of what it says.
+/// What is left of noise after a `time`.
+fn kept(memory: f64, time: f64) -> f64 {
+    if memory > 0.0 { (-time / memory).exp() } else { 0.0 }
+}
+
+/// What fourth differences of a record say as long as they are those of noise.
 #[derive(Debug)]
-struct Differences(Vec<(usize, f64, f64)>);
+struct Differences(Vec<Over>);
+
+/// Those over one spacing.
+#[derive(Debug)]
+struct Over {
+    /// Between the values of a difference (s).
+    time: f64,
+    /// Deviation of the white noise that would make them.
+    noise: f64,
+    /// The number of those that are independent.
+    weight: f64,
+}
 
 impl Differences {
-    fn of(values: &[f64]) -> Self {
-        let of = |spacing: usize| {
+    /// Of `values` every `step` seconds.
+    fn of(values: &[f64], step: f64) -> Self {
+        let over = |spacing: usize| {
             let noise = noise_over(values, spacing).filter(|noise| *noise > 0.0)?;
-            Some((spacing, noise, values.len() as f64 / spacing as f64))
+            Some(Over { time: spacing as f64 * step, noise, weight: values.len() as f64 / spacing as f64 })
         };
-        Self(SPACINGS.into_iter().map_while(of).collect())
+        Self(SPACINGS.into_iter().map_while(over).collect())
     }
 
-    fn weight(&self) -> f64 {
-        self.0.iter().map(|(_, _, weight)| weight).sum()
-    }
-
-    /// The deviation of noise with this `memory`; `None` where no difference shows noise.
+    /// The deviation of noise with this `memory` (s); `None` where no difference shows noise.
     fn deviation(&self, memory: f64) -> Option<f64> {
-        let logarithms =
-            self.0.iter().map(|(spacing, noise, weight)| weight * (noise / seen(memory, *spacing)).ln());
-        (!self.0.is_empty()).then(|| (logarithms.sum::<f64>() / self.weight()).exp())
+        let logarithm = |over: &Over| over.weight * (over.noise / seen(kept(memory, over.time))).ln();
+        let weight: f64 = self.0.iter().map(|over| over.weight).sum();
+        (!self.0.is_empty()).then(|| (self.0.iter().map(logarithm).sum::<f64>() / weight).exp())
     }
 
     /// How little the spacings agree on one deviation.
     fn disagreement(&self, memory: f64) -> f64 {
         let Some(deviation) = self.deviation(memory) else { return 0.0 };
-        let off = |(spacing, noise, weight): &(usize, f64, f64)| {
-            weight * (noise / (deviation * seen(memory, *spacing))).ln().powi(2)
+        let off = |over: &Over| {
+            over.weight * (over.noise / (deviation * seen(kept(memory, over.time)))).ln().powi(2)
         };
         self.0.iter().map(off).sum()
     }
 }
 
-/// The deviation of white noise that makes the fourth differences of noise with this `memory` and a deviation of one.
-fn seen(memory: f64, spacing: usize) -> f64 {
-    let r = memory.powi(spacing as i32);
+/// The deviation of white noise that makes the fourth differences of noise with a deviation of one, of which `r` is kept from
+/// one of their values to the next.
+fn seen(r: f64) -> f64 {
     ((70.0 - r * (112.0 - r * (56.0 - r * (16.0 - 2.0 * r)))) / 70.0).sqrt()
 }
 
-/// The memory by which the differences of all records agree best.
+/// The memory (s) by which the differences of all records agree best; none where no record shows noise over two spacings.
 fn memory(records: &[Differences]) -> f64 {
-    let longest = records.iter().flat_map(|record| &record.0).map(|(spacing, _, _)| *spacing).max();
-    let Some(longest) = longest else { return 0.0 };
-    let most = (-1.0 / (LONGEST * longest as f64)).exp();
-    let disagreement = |memory: f64| records.iter().map(|record| record.disagreement(memory)).sum::<f64>();
-    let tried = (0..).map(|k| STEP * f64::from(k)).take_while(|memory| *memory < most).chain([most]);
-    tried
-        .map(|memory| (memory, disagreement(memory)))
-        .min_by(|a, b| a.1.total_cmp(&b.1))
-        .map_or(0.0, |best| best.0)
+    let telling = || records.iter().filter(|record| record.0.len() > 1);
+    let times = || telling().flat_map(|record| &record.0).map(|over| over.time);
+    let [shortest, longest] = [times().fold(f64::INFINITY, f64::min), times().fold(0.0, f64::max)];
+    let disagreement = |memory: f64| telling().map(|record| record.disagreement(memory)).sum::<f64>();
+    let memory = |k: i32| RANGE[0] * shortest * (f64::from(k) / TO_AN_OCTAVE).exp2();
+    let tried = (0..).map(memory).take_while(|memory| *memory <= RANGE[1] * longest);
+    let (mut best, mut least) = (0.0, disagreement(0.0));
+    for memory in tried {
+        let here = disagreement(memory);
+        if here < least {
+            (best, least) = (memory, here);
+        }
+    }
+    best
 }
 
 #[cfg(test)]
@@ -124,19 +142,18 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// Sweeps with noise of this deviation and memory.
-    fn sweeps(deviation: f64, memory: f64) -> Vec<Vec<f64>> {
-        let mut random = Random::new(5);
-        let sweep = |rate: f64| {
-            let mut noise = random.normal();
-            let mut value = |i: u32| {
-                let time = f64::from(i) / 2400.0;
-                noise = memory * noise + (1.0 - memory * memory).sqrt() * random.normal();
-                (TAU * rate * time * (1.0 + time)).sin() + deviation * noise
-            };
-            (0..2400).map(&mut value).collect()
+    const STEP: f64 = 1.0 / 2400.0;
+
+    /// A sweep that begins at `rate` (Hz), with noise of this deviation and memory, every so many samples.
+    fn sweep(rate: f64, deviation: f64, memory: f64, every: usize, random: &mut Random) -> Differences {
+        let mut noise = random.normal();
+        let mut value = |i: u32| {
+            let time = f64::from(i) * STEP;
+            noise = memory * noise + (1.0 - memory * memory).sqrt() * random.normal();
+            (TAU * rate * time * (1.0 + time)).sin() + deviation * noise
         };
-        [2.0, 3.0, 5.0].map(sweep).to_vec()
+        let values: Vec<f64> = (0..2400 * every as u32).map(&mut value).collect();
+        Differences::of(&values.into_iter().step_by(every).collect::<Vec<_>>(), every as f64 * STEP)
     }
 
     #[test]
@@ -145,17 +162,30 @@ mod tests {
             [(0.0, 0.0, 0.15), (0.6, 0.5, 0.7), (0.9, 0.83, 0.95), (0.95, 0.88, 0.985)]
         {
             for deviation in [3e-4, 3e-3] {
-                let sweeps = sweeps(deviation, memory);
-                let found =
-                    super::memory(&sweeps.iter().map(|values| Differences::of(values)).collect::<Vec<_>>());
-                assert!((least..=most).contains(&found), "{memory} {deviation}: {found}");
-                for values in &sweeps {
-                    let size = Differences::of(values).deviation(found).unwrap() / deviation;
+                // One of them was sampled half as fast.
+                let mut random = Random::new(5);
+                let sweeps = [(2.0, 1), (3.0, 1), (1.0, 2)]
+                    .map(|(rate, every)| sweep(rate, deviation, memory, every, &mut random));
+                let found = super::memory(&sweeps);
+                let kept = kept(found, STEP);
+                assert!((least..=most).contains(&kept), "{memory} {deviation}: {kept}");
+                for sweep in &sweeps {
+                    let size = sweep.deviation(found).unwrap() / deviation;
                     assert!((0.6..2.0).contains(&size), "{memory} {deviation}: {size}");
                 }
             }
         }
-        let clean = sweeps(0.0, 0.0);
-        assert!(clean.iter().all(|values| Differences::of(values).deviation(0.0).is_none()));
+        assert!(sweep(2.0, 0.0, 0.0, 1, &mut Random::new(5)).deviation(0.0).is_none());
+    }
+
+    #[test]
+    fn noise_that_shows_over_one_spacing_has_no_memory() {
+        for seed in 0..9 {
+            let mut random = Random::new(seed);
+            let value = |i: u32| (TAU * f64::from(i) / 20.0).sin() + 3e-3 * random.normal();
+            let wave = Differences::of(&(0..2400).map(value).collect::<Vec<_>>(), STEP);
+            assert_eq!(wave.0.len(), 1);
+            assert_eq!(memory(&[wave]), 0.0);
+        }
     }
 }

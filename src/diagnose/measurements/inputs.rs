@@ -1,5 +1,6 @@
 //! The noise of what drives a model acts through it: the displacement's through the stiffness in stick, the
-//! excitation's through the structure. How much it makes of the predictions is found by adding as much again.
+//! excitation's through the structure. How much it makes of the predictions is found by adding as much again; what it makes of
+//! parameters, by other noise of its colour.
 
 use rayon::prelude::*;
 
@@ -20,33 +21,38 @@ pub(in crate::diagnose) fn through(model: &Model, bench: &WeightedDataset) -> Ve
         .collect()
 }
 
+/// The drawings of a record's noise have numbers of their own.
+const PART: u64 = 1;
+
 /// A record whose inputs have other noise than they had.
 pub(in crate::diagnose) struct Redrawn {
-    /// With none.
+    /// With what smoothing leaves of its own: of noise with a memory, most.
     pub quiet: Record,
-    /// Pairs of opposite noise.
+    /// Pairs of it with opposite noises.
     pub pairs: Vec<[Record; 2]>,
 }
 
-/// So many pairs of `record` with other noise in what drives `model` in place of that it has, others with another `seed`;
-/// `None` where it has none. Samples that are not evenly spaced keep theirs as well.
+/// So many pairs of `record` with other noise in what drives `model`, others with another `seed`; `None` where it has none.
+/// Samples that are not evenly spaced are not smoothed before.
 pub(in crate::diagnose) fn redrawn(
     model: &Model,
     record: &Record,
     memories: &Memories,
     (count, seed): (usize, u64),
 ) -> Option<Redrawn> {
-    let mut random = Random::new(seed);
+    let mut random = Random::of_part(seed, PART);
     let mut quiet = record.clone();
     let mut noises = Vec::new();
     for (k, channel) in record.channels.iter().enumerate() {
         let drives = drives(model, record, channel);
-        let of = drives.then(|| colour(channel, record.regime, memories)).filter(|of| of.deviation > 0.0);
-        let Some(colour) = of else { continue };
+        let Some(colour) = drives.then(|| colour(channel, record, memories)).flatten() else { continue };
         if let Some(step) = record.sample_step() {
             quiet.channels[k].values = Motion::even(&channel.values, step).values;
         }
         noises.push((k, colour));
+    }
+    if noises.is_empty() {
+        return None;
     }
     let mut pair = || {
         let mut pair = [quiet.clone(), quiet.clone()];
@@ -61,17 +67,18 @@ pub(in crate::diagnose) fn redrawn(
         pair
     };
     let pairs = (0..count).map(|_| pair()).collect();
-    (!noises.is_empty()).then_some(Redrawn { quiet, pairs })
+    Some(Redrawn { quiet, pairs })
 }
 
-/// Noise of a driving channel and what it remembers: what the dataset states or what is seen.
-fn colour(channel: &Channel, regime: Regime, memories: &Memories) -> Colour {
-    let white = Colour { deviation: input_noise(channel, regime), memory: 0.0 };
+/// Noise of a driving channel and what it remembers: what the dataset states or what is seen; `None` where there is none.
+fn colour(channel: &Channel, record: &Record, memories: &Memories) -> Option<Colour> {
+    let white = Colour { deviation: input_noise(channel, record.regime), memory: 0.0 };
     if white.deviation == 0.0 {
-        return white;
+        return None;
     }
-    let seen = memories.colour(channel.quantity(), &channel.values).unwrap_or(white);
-    Colour { deviation: channel.noise.unwrap_or(seen.deviation), ..seen }
+    let coloured = |step: f64| memories.colour(channel.quantity(), &channel.values, step);
+    let seen = record.sample_step().and_then(coloured).unwrap_or(white);
+    Some(Colour { deviation: channel.noise.unwrap_or(seen.deviation), ..seen })
 }
 
 /// `record` with white noise added to what drives `model`; `None` where it has none.

@@ -1,7 +1,7 @@
 //! The measurements as a search sees them: a dataset comes in, records with weights go out.
 //!
 //! [`weighted_dataset`] lays out every compared channel with its weights; [`noise`] tells what is known of the noise, from
-//! [`cycles`] that repeat among others and how well ([`seen`]) (a steady [`tone`] is none), [`inputs`] what noise of the inputs adds to it, and [`colour`] how long that one remembers. [`split`] deals the records out to training,
+//! [`cycles`] that repeat among others and how well ([`seen`]) (a steady [`tone`] is none), [`inputs`] what noise of the inputs adds to it, and [`colour`] how large that one is and how long it remembers. [`split`] deals the records out to training,
 //! validation and test. [`thinned`] and [`beginnings`] make shorter records for the many fits of a search, [`magnitudes`] the
 //! scales that bound the parameters of effects.
 

@@ -137,12 +137,21 @@ mod tests {
         {
             changed.push(Model::parse(&format!("{BEAM}effect = [{{ {effect} }}]")).unwrap());
         }
-        let same_bending = changed.iter().map(|there| kept.known(there).is_some());
-        assert_eq!(same_bending.collect::<Vec<_>>(), [true, true, true, false, false, true, false]);
+        let is_kept = changed.iter().map(|there| kept.known(there).is_some());
+        assert_eq!(is_kept.collect::<Vec<_>>(), [true, true, true, false, false, true, false]);
         for there in &changed {
             let [here, anew] = [kept.system(there).unwrap(), observed_system(there, &[0.3]).unwrap()];
             assert_eq!(modes(&here), modes(&anew));
             assert_eq!(format!("{:?}", here.elements), format!("{:?}", anew.elements));
+            assert_eq!(
+                (here.shortening, here.driven, here.sensors),
+                (anew.shortening, anew.driven, anew.sensors)
+            );
         }
+        // Another beam takes the place of the last.
+        let stiffer = &changed[3];
+        kept.reduce(stiffer).unwrap();
+        assert!(kept.known(stiffer).is_some() && kept.known(&model).is_none());
+        assert_eq!(modes(&kept.system(&model).unwrap()), modes(&observed_system(&model, &[0.3]).unwrap()));
     }
 }
