@@ -66,7 +66,7 @@ impl Memories {
     }
 }
 
-/// What is left of noise after a `time`.
+/// The fraction of noise with this `memory` that a `time` later still holds (both s).
 fn kept(memory: f64, time: f64) -> f64 {
     if memory > 0.0 { (-time / memory).exp() } else { 0.0 }
 }
@@ -146,14 +146,13 @@ mod tests {
 
     /// A sweep that begins at `rate` (Hz), with noise of this deviation and memory, every so many samples.
     fn sweep(rate: f64, deviation: f64, memory: f64, every: usize, random: &mut Random) -> Differences {
-        let mut noise = random.normal();
-        let mut value = |i: u32| {
-            let time = f64::from(i) * STEP;
-            noise = memory * noise + (1.0 - memory * memory).sqrt() * random.normal();
-            (TAU * rate * time * (1.0 + time)).sin() + deviation * noise
+        let noise = Colour { deviation, memory }.drawn(2400 * every, random);
+        let value = |(i, noise): (usize, f64)| {
+            let time = i as f64 * STEP;
+            (TAU * rate * time * (1.0 + time)).sin() + noise
         };
-        let values: Vec<f64> = (0..2400 * every as u32).map(&mut value).collect();
-        Differences::of(&values.into_iter().step_by(every).collect::<Vec<_>>(), every as f64 * STEP)
+        let values: Vec<f64> = noise.into_iter().enumerate().step_by(every).map(value).collect();
+        Differences::of(&values, every as f64 * STEP)
     }
 
     #[test]

@@ -65,8 +65,8 @@ impl ObservedBeam {
     }
 }
 
-/// `system`, that of `model`, in a steady state under what the contact, the first of the elements, follows of the measured normal load with
-/// the coefficients `load` (N), if there is one. The contact that never moved has no force at the displacement `offset` (m).
+/// `system`, that of `model`, in a steady state under what the contact, the first of the elements, follows of the measured
+/// normal load with the coefficients `load` (N), if there is one. The contact that never moved has no force at the displacement `offset` (m).
 pub(super) fn observed_assembly(
     system: System,
     model: &Model,
@@ -100,16 +100,8 @@ pub(super) fn observed_assembly(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::predict::steady::tests::model as beam;
     use crate::system::Core;
-
-    const BEAM: &str = r#"
-        schema = "stickslip.model/1"
-        kind = "beam"
-        beam = { length = 0.6, width = 0.04, thickness = 0.005, density = 7850.0, youngs_modulus = 2e11, modes = 4, damping_ratio = 0.003 }
-        support = { offset = 0.006 }
-        excitation = { position = 0.55 }
-        contact = { law = "jenkins", tangential_stiffness = 7.9e6, friction_coefficient = 0.3, normal_load = 150.0 }
-    "#;
 
     /// Frequencies and damping ratios of the modes, and those of the ports' shapes.
     fn modes(system: &System) -> (Core, Vec<Vec<(usize, f64)>>) {
@@ -118,7 +110,7 @@ mod tests {
 
     #[test]
     fn kept_modes_serve_as_long_as_nothing_but_the_contact_changes() {
-        let model = Model::parse(BEAM).unwrap();
+        let model = beam("");
         let mut kept = ObservedBeam::new(vec![0.3]);
         kept.reduce(&model).unwrap();
         let mut changed = vec![model.clone()];
@@ -135,7 +127,7 @@ mod tests {
         for effect in
             ["id = \"backlash\", half_gap = 1e-6", "id = \"geometric_stiffening\", cubic_stiffness = 2e9"]
         {
-            changed.push(Model::parse(&format!("{BEAM}effect = [{{ {effect} }}]")).unwrap());
+            changed.push(beam(&format!("effect = [{{ {effect} }}]")));
         }
         let is_kept = changed.iter().map(|there| kept.known(there).is_some());
         assert_eq!(is_kept.collect::<Vec<_>>(), [true, true, true, false, false, true, false]);

@@ -15,7 +15,7 @@ mod oscillator_balance;
 mod shooting;
 mod spectrum;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 pub(super) use beam::SteadyBeam;
 pub(super) use contact::SteadyContact;

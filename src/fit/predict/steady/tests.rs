@@ -12,7 +12,7 @@ use crate::system::Core;
 const SAMPLES: usize = 96;
 const PERIODS: usize = 2;
 
-fn model(effects: &str) -> Model {
+pub(in crate::fit::predict) fn model(effects: &str) -> Model {
     let text = format!(
         r#"
         schema = "stickslip.model/1"
