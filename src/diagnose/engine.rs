@@ -344,8 +344,7 @@ fn added(
         evidence::added(question, &base, &forms)
     });
     let mut with = with.map_err(|reason| unpredictable(&bench, model, reason))?;
-    let [of_base, of_with] =
-        [&mut base, &mut with].map(|of| evidence::allow_for_inputs(&training.of(&bench), of));
+    let [of_base, of_with] = [&mut base, &mut with].map(|of| evidence::intervals(&training.of(&bench), of));
     progress.tell(effect.id);
     let mut stages = vec![before];
     stages.push(stage("refitted", &base, model, dataset, &bench));

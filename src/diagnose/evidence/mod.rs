@@ -6,23 +6,20 @@
 //! `slot`s of one record each (`starts`: their unknown past) and with what a discrepancy adds (`latent`); `posterior`
 //! is its minimum with the volume around it, `probe` what amounts of each candidate would change to first order. `search`
 //! grows sets from none by first `looks` and whole fits, and `neighbours` makes sure of the likely ones; `weights` makes
-//! probabilities of their evidence, `limits` tells what could not have been seen. Of the base and of the decided one
-//! `agreement` looks for a better minimum, `refined`, which also tells how fine steps in time must be, takes off their error and that
-//! of harmonics that are left out, and `driven` allows for what the noise of the inputs did to the numbers.
+//! probabilities of their evidence, `limits` tells what could not have been seen. `numbers` makes sure of those
+//! of the base and of the decided one, which are told.
 
-mod agreement;
 mod autoregression;
 mod discrepancy;
-mod driven;
 mod joint;
 mod latent;
 mod limits;
 mod looks;
 mod measured;
 mod neighbours;
+mod numbers;
 mod posterior;
 mod probe;
-mod refined;
 #[cfg(test)]
 mod samples;
 mod search;
@@ -31,18 +28,17 @@ mod starts;
 mod unknown;
 mod weights;
 
-pub(super) use agreement::freed;
 pub(super) use discrepancy::Discrepancy;
 pub(super) use limits::{Sensitivities, around};
 pub(super) use measured::Measured;
+pub(super) use numbers::{freed, intervals, steps_needed};
 pub(super) use posterior::{Posterior, Solutions};
 pub(super) use probe::Prepared;
-pub(super) use refined::steps_needed;
 pub(super) use search::{Search, Set};
 
 use joint::Joint;
 use latent::Latent;
-use posterior::{HERE, LOOK, Start, fit, screen, screened, white_round};
+use posterior::{HERE, INTERVAL, LOOK, Start, fit, screen, screened, white_round};
 use probe::Sorted;
 use unknown::Unknown;
 
@@ -52,6 +48,9 @@ use super::measurements::weighted_dataset::WeightedDataset;
 use crate::data::Dataset;
 use crate::effects::Scales;
 use crate::model::Model;
+
+/// Deviations from none that no other width of the likelihood makes up for: more than those it is followed over.
+const CLEAR: f64 = 100.0;
 
 /// All sets of effects that were weighed.
 pub(super) struct Weighed {
@@ -72,28 +71,31 @@ pub(super) struct Weighed {
 }
 
 impl Weighed {
-    /// Makes sure of the parameters of the set that was `decided` for: no better fit lies near, the error of predictions is
-    /// no part of them, and they allow for the noise that drove the model; why not, if they do not. Only of what is
-    /// told, after the decision: all sets were compared by the same predictions.
+    /// Makes sure of the parameters of the set that was `decided` for: no better fit lies near, they are in the middle of the
+    /// likelihood, the error of predictions is no part of them, and they allow for the noise that drove the model; why not, if
+    /// they do not. Only of what is told, after the decision: all sets were compared by the same predictions.
     pub fn assure(&mut self, decided: usize, data: &Measured) -> Option<String> {
-        let posterior = &mut self.sets[decided].posterior;
         if data.bench.interrupted() {
             return None;
         }
-        (*posterior, self.agreement) = agreement::agreement(data, posterior);
-        if let Ok(refined) = refined::refined(data, posterior) {
-            *posterior = refined;
-        }
-        allow_for_inputs(data, posterior)
+        let (agreement, reason) = numbers::assure(data, &mut self.sets[decided].posterior);
+        self.agreement = agreement;
+        reason
     }
 
-    /// Whether all members of set `k` have a size when they allow for the noise that drove the model.
+    /// Whether all members of set `k` have a size, by intervals that hold.
     pub fn is_determined(&self, k: usize, data: &Measured) -> bool {
         let Set { posterior, members, .. } = &self.sets[k];
-        let determined = |of: &Posterior| members.iter().all(|member| of.determines(*member));
-        let mut widened = posterior.clone();
-        determined(posterior)
-            && (driven::allow_for_inputs(data, &mut widened).is_err() || determined(&widened))
+        let all = |of: &Posterior, least: f64| members.iter().all(|member| of.determines(*member, least));
+        let mut told = posterior.clone();
+        all(posterior, INTERVAL) && {
+            if all(posterior, CLEAR) {
+                numbers::allow_for_inputs(data, &mut told);
+            } else {
+                intervals(data, &mut told);
+            }
+            all(&told, INTERVAL)
+        }
     }
 
     /// Tells the model without effects as `fitted`, where that leaves less: a residual that is no noise draws a fit that
@@ -104,14 +106,9 @@ impl Weighed {
             // Sets are compared by whole fits.
             let Posterior { log_evidence, log_peak, .. } = *known;
             *known = Posterior { log_evidence, log_peak, ..fitted };
-            allow_for_inputs(data, known);
+            numbers::allow_for_inputs(data, known);
         }
     }
-}
-
-/// Has the numbers of `posterior` allow for the noise of the inputs; why they do not, but for an interrupt.
-pub(super) fn allow_for_inputs(data: &Measured, posterior: &mut Posterior) -> Option<String> {
-    driven::allow_for_inputs(data, posterior).err().filter(|_| !data.bench.interrupted())
 }
 
 /// `model` refitted as it is: from where it is or, where motions are solved for, from what fits best about those that

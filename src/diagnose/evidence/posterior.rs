@@ -17,8 +17,8 @@ use crate::model::Model;
 pub(in crate::diagnose) struct Posterior {
     pub model: Model,
     pub unknowns: Vec<Unknown>,
-    /// The coordinates of the unknowns, then the weights of a discrepancy. Of what is told, without the errors of predictions and
-    /// what noise of the inputs made of them.
+    /// The coordinates of the unknowns, then the weights of a discrepancy. Of what is told, in the middle of the likelihood, without
+    /// the errors of predictions and what noise of the inputs made of them.
     pub y: Vec<f64>,
     pub log_evidence: f64,
     /// Of the most probable parameters alone, without the volume around them.
@@ -33,21 +33,21 @@ pub(in crate::diagnose) struct Posterior {
 }
 
 /// Standard deviations to the ends of an interval that holds 95 % of a normal variable.
-const INTERVAL: f64 = 1.96;
+pub(super) const INTERVAL: f64 = 1.96;
 /// Posterior over prior deviation above which the data say nothing of a number.
 const UNDETERMINED: f64 = 0.95;
 /// The same above which nothing in the data depends on it.
 pub(super) const UNSEEN: f64 = 0.999_999;
 
 impl Posterior {
-    /// Whether the size of what candidate `owner` brought is told apart from none, and lies where physics bounds it if
-    /// anything does.
-    pub fn determines(&self, owner: usize) -> bool {
+    /// Whether the size of what candidate `owner` brought is more than so many deviations from none, and lies where physics
+    /// bounds it if anything does.
+    pub fn determines(&self, owner: usize, least: f64) -> bool {
         let first = self.unknowns.iter().position(|unknown| unknown.owner == Some(owner));
         // Its coordinate is 0 where it changes nothing.
         first.is_some_and(|k| {
             let (y, deviation) = (self.y[k].abs(), self.deviations[k]);
-            deviation < UNDETERMINED && y > INTERVAL * deviation && y < self.unknowns[k].coordinate.farthest()
+            deviation < UNDETERMINED && y > least * deviation && y < self.unknowns[k].coordinate.farthest()
         })
     }
 
@@ -116,7 +116,7 @@ pub(super) const GLANCE: Extent = Extent { steps: 2, trials: 5, ..LOOK };
 /// No step, only what is there.
 pub(super) const HERE: Extent = Extent { steps: 0, ..LOOK };
 /// A round of a whole fit.
-const ROUND: Extent = Extent { steps: 12, tolerance: 1e-5, ..LOOK };
+pub(super) const ROUND: Extent = Extent { steps: 12, tolerance: 1e-5, ..LOOK };
 /// Rounds with coloured noise at most; a change of the log evidence that is none.
 const ROUNDS: (usize, f64) = (5, 0.1);
 

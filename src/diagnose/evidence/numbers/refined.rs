@@ -4,11 +4,11 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::joint::{Joint, dot, minus};
-use super::latent::Latent;
-use super::measured::{Measured, MeasuredChannel};
-use super::posterior::{HERE, Posterior, white_round};
-use super::slot::Slot;
+use crate::diagnose::evidence::joint::{Joint, dot, minus};
+use crate::diagnose::evidence::latent::Latent;
+use crate::diagnose::evidence::measured::{Measured, MeasuredChannel};
+use crate::diagnose::evidence::posterior::{HERE, Posterior, white_round};
+use crate::diagnose::evidence::slot::Slot;
 use crate::model::{Model, Structure};
 
 /// Steps in place of one; simulations that cannot be refined so far go as far as they can.
@@ -56,7 +56,8 @@ fn needed(data: &Measured, k: usize, model: &Model) -> Result<usize, String> {
 /// `posterior` moved to where refined simulations fit best: unknowns at their bounds stay there, and so does all of it where
 /// refined simulations leave more there than the others did, as another of several responses would. Records that cannot be
 /// refined count as they are. The search before ends where the error of its own steps holds it up, a deviation and more away.
-pub(super) fn refined(data: &Measured, posterior: &Posterior) -> Result<Posterior, String> {
+/// One that is in the `middle` of a likelihood without a smooth top moves by what the error alone changes.
+pub(super) fn refined(data: &Measured, posterior: &Posterior, middle: bool) -> Result<Posterior, String> {
     if posterior.model.structure == Structure::Prescribed {
         return Ok(posterior.clone());
     }
@@ -65,8 +66,11 @@ pub(super) fn refined(data: &Measured, posterior: &Posterior) -> Result<Posterio
     let mut y = white_round(&mut joint, &posterior.y[..count], HERE)?;
     joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
     let (mut best, mut least) = (y.clone(), joint.sums_here(&y).cost);
-    for _ in 0..=MOVES {
-        let Ok(there) = Refined::at(&mut joint, &y) else { break };
+    if middle {
+        best = Refined::at(&mut joint, &y, false)?.moved;
+    }
+    for _ in 0..if middle { 0 } else { 1 + MOVES } {
+        let Ok(there) = Refined::at(&mut joint, &y, true) else { break };
         if there.cost < least {
             (best, least) = (y, there.cost);
         }
@@ -90,8 +94,8 @@ struct Refined {
 }
 
 impl Refined {
-    /// At the point `y` that was linearised.
-    fn at(joint: &mut Joint, y: &[f64]) -> Result<Self, String> {
+    /// At the point `y` that was linearised, moved from there by the `whole` slope, or by what the error adds to it.
+    fn at(joint: &mut Joint, y: &[f64], whole: bool) -> Result<Self, String> {
         let (data, n) = (joint.data, y.len());
         let (sums, model, whitened) = (joint.sums_here(y), joint.model(y)?, joint.whitened());
         let error = |slot: &mut Slot| {
@@ -100,7 +104,8 @@ impl Refined {
         let errors: Vec<Option<Vec<f64>>> = joint.slots.par_iter_mut().map(error).collect();
         data.bench.unless_interrupted()?;
         data.bench.count(FINER * whitened.len());
-        let (mut cost, mut gradient) = (sums.cost, DVector::from_vec(sums.gradient));
+        let mut cost = sums.cost;
+        let mut gradient = if whole { DVector::from_vec(sums.gradient) } else { DVector::zeros(n) };
         for (k, (record, error)) in whitened.iter().zip(errors).enumerate() {
             let Some(error) = error else { continue };
             let error = joint.noise.whiten(data, k, &error);
@@ -181,7 +186,7 @@ mod tests {
         let bench = WeightedDataset::new(given, &dataset, Assumptions::default(), None).unwrap();
         let data = Measured::new(&bench, &numbers, &[], &[]);
         let fitted = first(&data, None, given).and_then(|(first, _)| again(&data, &first)).unwrap();
-        let refined = refined(&data, &fitted).unwrap();
+        let refined = refined(&data, &fitted, false).unwrap();
         [fitted, refined].map(|of| {
             let off = |path: &str| (of.model.get(path).unwrap() / truth.get(path).unwrap()).ln().abs();
             off("contact.tangential_stiffness").max(off("contact.friction_coefficient"))

@@ -8,11 +8,11 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::joint::{Joint, Whitened, dot, first_failure, minus};
-use super::latent::Latent;
-use super::measured::Measured;
-use super::posterior::{HERE, Posterior, UNSEEN, white_round};
-use super::slot::Slot;
+use crate::diagnose::evidence::joint::{Joint, Whitened, dot, first_failure, minus};
+use crate::diagnose::evidence::latent::Latent;
+use crate::diagnose::evidence::measured::Measured;
+use crate::diagnose::evidence::posterior::{HERE, Posterior, UNSEEN, white_round};
+use crate::diagnose::evidence::slot::Slot;
 use crate::diagnose::measurements::colour::Memories;
 use crate::diagnose::measurements::inputs::{Redrawn, redrawn};
 use crate::fit::predict::WRONG_BRANCH;
@@ -206,7 +206,7 @@ impl Pair {
 }
 
 /// Adds the covariance `more`, where it is one, to that of the unknowns.
-fn widen(posterior: &mut Posterior, more: &DMatrix<f64>) {
+pub(super) fn widen(posterior: &mut Posterior, more: &DMatrix<f64>) {
     let count = posterior.unknowns.len();
     let own = posterior.deviations.clone();
     let more = |i: usize, k: usize| if more[(i, i)] > 0.0 && more[(k, k)] > 0.0 { more[(i, k)] } else { 0.0 };

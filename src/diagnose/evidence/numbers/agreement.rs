@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::measured::Measured;
-use super::posterior::{LOOK, Posterior, Start, screen};
-use super::{again, doubt};
 use crate::diagnose::diagnosis::Agreement;
+use crate::diagnose::evidence::measured::Measured;
+use crate::diagnose::evidence::posterior::{LOOK, Posterior, Start, screen};
+use crate::diagnose::evidence::{again, doubt};
 
 /// Multiples of what was found, of the model's own parameters from those given and of what effects brought, that other fits
 /// start at.

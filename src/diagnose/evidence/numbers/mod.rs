@@ -1,0 +1,47 @@
+//! The numbers that are told, and their intervals: what is done after all sets were compared, of the base and of the decided
+//! one alone.
+//!
+//! `agreement` looks for a better minimum from elsewhere. `profile` follows the likelihood over the whole of an interval
+//! where its curvature at the top does not tell how far it reaches. `refined`, which also tells how fine steps in time must
+//! be, takes off their error and that of harmonics that are left out. `driven` allows for what the noise of the inputs did.
+
+mod agreement;
+mod driven;
+mod profile;
+mod refined;
+
+pub(in crate::diagnose) use agreement::freed;
+pub(in crate::diagnose) use refined::steps_needed;
+
+use super::measured::Measured;
+use super::posterior::Posterior;
+use crate::diagnose::diagnosis::Agreement;
+
+/// Makes sure of the parameters of `posterior`; what other starts say of them, and why their intervals are none that
+/// hold, if they are not.
+pub(super) fn assure(data: &Measured, posterior: &mut Posterior) -> (Agreement, Option<String>) {
+    let (found, agreement) = agreement::agreement(data, posterior);
+    *posterior = found;
+    let followed = profile::follow(data, posterior);
+    if let Ok(refined) = refined::refined(data, posterior, followed == Ok(true)) {
+        *posterior = refined;
+    }
+    (agreement, reason(data, [followed.err(), driven::allow_for_inputs(data, posterior).err()]))
+}
+
+/// Moves the numbers of `posterior` to the middle of the likelihood and makes their intervals as wide as that is, with the noise
+/// of the inputs in them; why that is not so, but for an interrupt.
+pub(in crate::diagnose) fn intervals(data: &Measured, posterior: &mut Posterior) -> Option<String> {
+    let followed = profile::follow(data, posterior);
+    reason(data, [followed.err(), driven::allow_for_inputs(data, posterior).err()])
+}
+
+/// Has them allow for the noise of the inputs alone, as those of a model that lacks something: its likelihood says little.
+pub(super) fn allow_for_inputs(data: &Measured, posterior: &mut Posterior) -> Option<String> {
+    reason(data, [None, driven::allow_for_inputs(data, posterior).err()])
+}
+
+fn reason(data: &Measured, of: [Option<String>; 2]) -> Option<String> {
+    let told: Vec<String> = of.into_iter().flatten().collect();
+    (!told.is_empty() && !data.bench.interrupted()).then(|| told.join("; "))
+}
