@@ -54,6 +54,19 @@ pub(super) fn slider(effects: &str) -> Model {
     .unwrap()
 }
 
+/// It is moved from rest by `motion` (m) of the number of a sample, `count` of them every `step` seconds; its force is exact.
+pub(super) fn moved(truth: &Model, count: u32, step: f64, motion: impl Fn(u32) -> f64) -> Record {
+    let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+    let channels = vec![
+        channel("time", "s", (0..count).map(|i| step * f64::from(i)).collect()),
+        channel("displacement", "m", (0..count).map(motion).collect()),
+        channel("force", "N", vec![0.0; count as usize]),
+    ];
+    let mut record = Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels };
+    record.channels[2].values = predict(truth, &record).unwrap()[0].values.clone();
+    record
+}
+
 /// A mass on a spring and a contact.
 pub(super) fn oscillator(stiffness: f64, friction: f64) -> Model {
     Model::parse(&format!(

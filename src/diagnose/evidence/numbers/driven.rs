@@ -222,9 +222,9 @@ pub(super) fn widen(posterior: &mut Posterior, more: &DMatrix<f64>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::{Channel, Dataset, Record, Regime};
+    use crate::data::{Dataset, Record, Regime};
     use crate::diagnose::Assumptions;
-    use crate::diagnose::evidence::samples::{from_rest, oscillator, slider};
+    use crate::diagnose::evidence::samples::{from_rest, moved, oscillator, slider};
     use crate::diagnose::evidence::{again, first};
     use crate::diagnose::measurements::colour::Colour;
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
@@ -279,15 +279,7 @@ mod tests {
     /// A contact on the way round its loop, which nobody saw begin.
     fn loops(truth: &Model, random: &mut Random) -> Vec<Record> {
         let record = |amplitude: f64| {
-            let motion = |i: u32| amplitude * (0.05 * f64::from(i)).sin();
-            let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
-            let channels = vec![
-                channel("time", "s", (0..1000).map(|i| 1e-3 * f64::from(i)).collect()),
-                channel("displacement", "m", (0..1000).map(motion).collect()),
-                channel("force", "N", vec![0.0; 1000]),
-            ];
-            let mut record = Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels };
-            record.channels[2].values = predict(truth, &record).unwrap()[0].values.clone();
+            let mut record = moved(truth, 1000, 1e-3, |i| amplitude * (0.05 * f64::from(i)).sin());
             record.regime = Regime::UnknownInitialState;
             record.channels.iter_mut().for_each(|channel| drop(channel.values.drain(..300)));
             measured(&mut record, [3e-3, 1e-3], random);
@@ -299,17 +291,11 @@ mod tests {
     /// A contact that was at rest, its displacement slow and measured with noise that remembers.
     fn shaken(truth: &Model, random: &mut Random) -> Vec<Record> {
         let record = |amplitude: f64| {
-            let time = |i: u32| 2e-3 * f64::from(i);
-            let motion =
-                |i: u32| amplitude * (0.3 + 0.05 * time(i)) * (3.0 * time(i) * (1.0 + 0.1 * time(i))).sin();
-            let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
-            let channels = vec![
-                channel("time", "s", (0..6000).map(time).collect()),
-                channel("displacement", "m", (0..6000).map(motion).collect()),
-                channel("force", "N", vec![0.0; 6000]),
-            ];
-            let mut record = Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels };
-            record.channels[2].values = predict(truth, &record).unwrap()[0].values.clone();
+            let motion = |i: u32| {
+                let time = 2e-3 * f64::from(i);
+                amplitude * (0.3 + 0.05 * time) * (3.0 * time * (1.0 + 0.1 * time)).sin()
+            };
+            let mut record = moved(truth, 6000, 2e-3, motion);
             measured(&mut record, [0.0, 0.01], random);
             let noise = Colour { deviation: 1e-3 * amplitude, memory: 0.95 }.drawn(6000, random);
             record.channels[1].values.iter_mut().zip(noise).for_each(|(x, noise)| *x += noise);

@@ -22,18 +22,18 @@ use crate::diagnose::diagnosis::Agreement;
 pub(super) fn assure(data: &Measured, posterior: &mut Posterior) -> (Agreement, Option<String>) {
     let (found, agreement) = agreement::agreement(data, posterior);
     *posterior = found;
-    let followed = profile::follow(data, posterior);
-    if let Ok(refined) = refined::refined(data, posterior, followed == Ok(true)) {
+    let (followed, told) = profile::follow(data, posterior);
+    if let Ok(refined) = refined::refined(data, posterior, followed) {
         *posterior = refined;
     }
-    (agreement, reason(data, [followed.err(), driven::allow_for_inputs(data, posterior).err()]))
+    (agreement, reason(data, [told, driven::allow_for_inputs(data, posterior).err()]))
 }
 
 /// Moves the numbers of `posterior` to the middle of the likelihood and makes their intervals as wide as that is, with the noise
 /// of the inputs in them; why that is not so, but for an interrupt.
 pub(in crate::diagnose) fn intervals(data: &Measured, posterior: &mut Posterior) -> Option<String> {
-    let followed = profile::follow(data, posterior);
-    reason(data, [followed.err(), driven::allow_for_inputs(data, posterior).err()])
+    let (_, told) = profile::follow(data, posterior);
+    reason(data, [told, driven::allow_for_inputs(data, posterior).err()])
 }
 
 /// Has them allow for the noise of the inputs alone, as those of a model that lacks something: its likelihood says little.

@@ -29,37 +29,29 @@ const PARTS: usize = 8;
 const WORSE: f64 = 2.0;
 
 /// Moves `posterior` to the middle of the likelihood and makes its deviations as wide as that is, where it falls less than its
-/// curvature promises; whether it does.
-///
-/// # Errors
-/// Where that cannot be told.
-pub(super) fn follow(data: &Measured, posterior: &mut Posterior) -> Result<bool, String> {
+/// curvature promises; whether it does, and what is to be said of it.
+pub(super) fn follow(data: &Measured, posterior: &mut Posterior) -> (bool, Option<String>) {
+    try_to_follow(data, posterior).unwrap_or_else(|reason| {
+        (false, Some(format!("the intervals are those of the curvature at the best fit alone: {reason}")))
+    })
+}
+
+fn try_to_follow(data: &Measured, posterior: &mut Posterior) -> Result<(bool, Option<String>), String> {
     data.bench.unless_interrupted()?;
     let (latent, count) = (Latent::default(), posterior.unknowns.len());
     let Posterior { model, unknowns, y, .. } = posterior.clone();
-    let mut profile = Joint::new(data, &model, &unknowns, &latent)
-        .and_then(|joint| Profile::new(joint, &y[..count]))
-        .map_err(|reason| {
-            format!("the intervals are those of the curvature at the best fit alone: {reason}")
-        })?;
-    let mut followed = false;
-    let mut beyond = None;
-    for k in profile.widest_first() {
-        followed |= profile.follow(k, &mut beyond);
-    }
+    let mut profile = Profile::new(Joint::new(data, &model, &unknowns, &latent)?, &y[..count])?;
+    let axes = profile.widest_first();
+    let is_followed = axes.into_iter().filter(|k| profile.follow(*k)).count() > 0;
     data.bench.count(profile.joint.simulations);
-    if followed {
+    if is_followed {
         profile.tell(posterior)?;
     }
-    match beyond {
-        None => Ok(followed),
-        Some(k) => {
-            let path = &unknowns[profile.axes.column(k).rows(0, count).iamax()].path;
-            Err(format!(
-                "a better fit may lie beyond the interval of {path}: the likelihood still rises there"
-            ))
-        }
-    }
+    let beyond = profile.beyond.map(|k| {
+        let path = &unknowns[profile.axes.column(k).rows(0, count).iamax()].path;
+        format!("a better fit may lie beyond the interval of {path}: the likelihood still rises there")
+    });
+    Ok((is_followed, beyond))
 }
 
 /// Costs along axes through the end of a fit.
@@ -79,6 +71,8 @@ struct Profile<'a, 'd> {
     /// The middle of the likelihood, and its deviations, along the axes.
     middle: DVector<f64>,
     deviations: DVector<f64>,
+    /// An axis at whose end the likelihood still rises.
+    beyond: Option<usize>,
 }
 
 impl<'a, 'd> Profile<'a, 'd> {
@@ -115,6 +109,7 @@ impl<'a, 'd> Profile<'a, 'd> {
             deviations: DVector::from_element(axes.ncols(), 1.0),
             axes,
             held,
+            beyond: None,
         })
     }
 
@@ -142,8 +137,7 @@ impl<'a, 'd> Profile<'a, 'd> {
             let room = if by > 0.0 { upper[i] - here[i] } else { here[i] - lower[i] };
             if room < by.abs() { room.max(0.0) / by.abs() } else { 1.0 }
         };
-        let free = (0..self.parameters).filter(|i| !self.held.contains(i));
-        place * free.map(within).fold(1.0, f64::min)
+        place * (0..self.parameters).map(within).fold(1.0, f64::min)
     }
 
     /// The cost there, with all other unknowns at their best to first order; infinite where another response is, or none.
@@ -176,21 +170,20 @@ impl<'a, 'd> Profile<'a, 'd> {
         gradient
     }
 
-    /// Follows the likelihood along axis `k` if it falls less than its curvature promises; whether it does. Where it still rises at
-    /// the end, that is `beyond`.
-    fn follow(&mut self, k: usize, beyond: &mut Option<usize>) -> bool {
+    /// Follows the likelihood along axis `k` if it falls less than its curvature promises; whether it does.
+    fn follow(&mut self, k: usize) -> bool {
         let Some(mut along) = self.slower(k) else { return false };
         let mut ends = [-1.0, 1.0].map(|sign| sign * REACHES[REACHES.len() - 1].0);
         while let Some(side) = along.rises_at(ends) {
             ends[side] *= 2.0;
-            let place = self.inside(k, ends[side]);
             if ends[side].abs() > FARTHEST {
-                *beyond = Some(k);
+                self.beyond = Some(k);
                 break;
             }
+            let place = self.inside(k, ends[side]);
             along.add(place, self.cost(k, place));
         }
-        while along.0.len() < PLACES {
+        for _ in along.0.len()..PLACES {
             let place = along.heaviest();
             along.add(place, self.cost(k, place));
         }
@@ -292,13 +285,12 @@ impl Costs {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::{Channel, Dataset, Record, Regime};
+    use crate::data::Dataset;
     use crate::diagnose::Assumptions;
-    use crate::diagnose::evidence::samples::slider;
+    use crate::diagnose::evidence::samples::{moved, slider};
     use crate::diagnose::evidence::{again, first};
     use crate::diagnose::measurements::colour::Colour;
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
-    use crate::fit::predict::predict;
     use crate::model::Model;
     use crate::numeric::random::Random;
 
@@ -307,18 +299,13 @@ mod tests {
     /// A contact moved from rest, slowly changing its pace. Its force is measured with noise that remembers `memory` of itself from
     /// one sample to the next, its displacement with a tenth of that.
     fn measured(truth: &Model, [noise, memory]: [f64; 2], random: &mut Random) -> Dataset {
+        const STEP: f64 = 5e-3;
         let record = |amplitude: f64| {
-            let time = |i: u32| 5e-3 * f64::from(i);
-            let motion =
-                |i: u32| amplitude * (0.4 + 0.1 * time(i)) * (4.0 * time(i) * (1.0 + 0.05 * time(i))).sin();
-            let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
-            let channels = vec![
-                channel("time", "s", (0..SAMPLES).map(time).collect()),
-                channel("displacement", "m", (0..SAMPLES).map(motion).collect()),
-                channel("force", "N", vec![0.0; SAMPLES as usize]),
-            ];
-            let mut record = Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels };
-            record.channels[2].values = predict(truth, &record).unwrap()[0].values.clone();
+            let motion = |i: u32| {
+                let time = STEP * f64::from(i);
+                amplitude * (0.4 + 0.1 * time) * (4.0 * time * (1.0 + 0.05 * time)).sin()
+            };
+            let mut record = moved(truth, SAMPLES, STEP, motion);
             for (channel, of) in [(1, 0.07 * amplitude), (2, 35.0)] {
                 let drawn = Colour { deviation: noise * of, memory }.drawn(SAMPLES as usize, random);
                 record.channels[channel].values.iter_mut().zip(drawn).for_each(|(x, noise)| *x += noise);
@@ -335,7 +322,7 @@ mod tests {
         let data = Measured::new(&bench, &all, &[], &[]);
         let fitted = first(&data, None, truth).and_then(|(first, _)| again(&data, &first)).unwrap();
         let mut followed = fitted.clone();
-        follow(&data, &mut followed).unwrap();
+        assert_eq!(follow(&data, &mut followed).1, None);
         [fitted, followed]
     }
 

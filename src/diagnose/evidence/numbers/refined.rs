@@ -63,14 +63,18 @@ pub(super) fn refined(data: &Measured, posterior: &Posterior, middle: bool) -> R
     }
     let (latent, count) = (Latent::default(), posterior.unknowns.len());
     let mut joint = Joint::new(data, &posterior.model, &posterior.unknowns, &latent)?;
-    let mut y = white_round(&mut joint, &posterior.y[..count], HERE)?;
+    let y = white_round(&mut joint, &posterior.y[..count], HERE)?;
     joint.noise.renew(data, &joint.priors, &joint.residuals(), true);
+    let mut y = if middle { Refined::at(&mut joint, &y, false)?.moved } else { best_fit(&mut joint, y) };
+    y.truncate(count);
+    Ok(Posterior { model: joint.model(&y)?, y, ..posterior.clone() })
+}
+
+/// Where refined predictions fit best, from the point `y` that was linearised.
+fn best_fit(joint: &mut Joint, mut y: Vec<f64>) -> Vec<f64> {
     let (mut best, mut least) = (y.clone(), joint.sums_here(&y).cost);
-    if middle {
-        best = Refined::at(&mut joint, &y, false)?.moved;
-    }
-    for _ in 0..if middle { 0 } else { 1 + MOVES } {
-        let Ok(there) = Refined::at(&mut joint, &y, true) else { break };
+    for _ in 0..=MOVES {
+        let Ok(there) = Refined::at(joint, &y, true) else { break };
         if there.cost < least {
             (best, least) = (y, there.cost);
         }
@@ -79,8 +83,7 @@ pub(super) fn refined(data: &Measured, posterior: &Posterior, middle: bool) -> R
             break;
         }
     }
-    best.truncate(count);
-    Ok(Posterior { model: joint.model(&best)?, y: best, ..posterior.clone() })
+    best
 }
 
 /// What refined predictions say at a point.
