@@ -47,6 +47,22 @@ const OVER: [f64; TERMS] = {
     over
 };
 
+/// What `(x − x₀) s'` takes of the product of the coefficients a and k − a of s, for both orders of them.
+const SHIFTED: [[f64; TERMS / 2 + 1]; TERMS] = {
+    let mut shifted = [[0.0; TERMS / 2 + 1]; TERMS];
+    let mut k = 0;
+    while k < TERMS {
+        let mut a = 0;
+        while 2 * a <= k {
+            let (one, other) = (a as f64, (k - a) as f64);
+            shifted[k][a] = other / (one + 1.0) + one / (other + 1.0);
+            a += 1;
+        }
+        k += 1;
+    }
+    shifted
+};
+
 /// As many ways downwards do not reach zero, and a series serves.
 const AWAY: f64 = 4.0;
 
@@ -131,11 +147,11 @@ impl Saturation {
     /// downwards (−1), and the mean change. `s = 1 − a xⁿ` there and `a xⁿ` are given; from `x' = ±s` follows
     /// `x s' = ∓n s (1 − s)`.
     fn advance(&self, x: f64, [slope, power]: [f64; 2], sign: f64, left: f64) -> (f64, f64, f64) {
-        // Coefficients of s and of ±x, and of the derivative of s.
-        let (mut slopes, mut places, mut rates) = ([0.0; TERMS], [0.0; TERMS], [0.0; TERMS]);
+        // Coefficients of s and of ±x.
+        let (mut slopes, mut places) = ([0.0; TERMS], [0.0; TERMS]);
         slopes[0] = slope;
         let (mut part, mut small, mut terms) = (left, 0, TERMS);
-        let (mut power_of_left, rate) = (1.0, sign / x);
+        let (mut power_of_left, rate, twice) = (1.0, sign / x, 2.0 * self.n);
         for k in 0..TERMS - 1 {
             let over = OVER[k];
             places[k + 1] = slopes[k] * over;
@@ -146,17 +162,15 @@ impl Saturation {
                 terms = k + 2;
                 break;
             }
-            let own = if k == 0 { power } else { power - slope };
-            let (mut squared, mut carried) = (-own * slopes[k], 0.0);
-            for j in 1..k {
-                squared += slopes[j] * slopes[k - j];
-                carried += places[j] * rates[k + 1 - j];
+            // Of `−n s (1 − s) − (x − x₀) s'` the products with s₀, and each other product once.
+            let own = if k == 0 { -self.n * power } else { self.n * (slope - power) - slope * k as f64 };
+            let half = k.div_ceil(2);
+            let pairs = slopes[..half].iter().zip(slopes[..=k].iter().rev()).zip(&SHIFTED[k]).skip(1);
+            let mut sum: f64 = pairs.map(|((a, b), shifted)| a * b * (twice - shifted)).sum();
+            if k > 0 && k % 2 == 0 {
+                sum += slopes[half].powi(2) * (self.n - 0.5 * SHIFTED[k][half]);
             }
-            if k > 0 {
-                carried += places[k] * rates[1];
-            }
-            rates[k + 1] = rate * (self.n * squared - carried);
-            slopes[k + 1] = rates[k + 1] * over;
+            slopes[k + 1] = rate * (own * slopes[k] + sum) * over;
         }
         if terms == TERMS {
             let reach = |k: usize| (LAST * x / places[k].abs()).powf(1.0 / k as f64);
