@@ -2,10 +2,12 @@
 //! one alone.
 //!
 //! `agreement` looks for a better minimum from elsewhere. `profile` follows the likelihood over the whole of an interval
-//! where its curvature at the top does not tell how far it reaches. `refined`, which also tells how fine steps in time must
-//! be, takes off their error and that of harmonics that are left out. `driven` allows for what the noise of the inputs did.
+//! where its curvature at the top does not tell how far it reaches (`costs`: along one axis), and from a bound inwards.
+//! `refined`, which also tells how fine steps in time must be, takes off their error and that of harmonics that are left
+//! out. `driven` allows for what the noise of the inputs did.
 
 mod agreement;
+mod costs;
 mod driven;
 mod profile;
 mod refined;

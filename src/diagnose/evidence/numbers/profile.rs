@@ -6,6 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use super::costs::Costs;
 use super::driven::widen;
 use crate::diagnose::evidence::joint::{Joint, Whitened, dot, minus};
 use crate::diagnose::evidence::latent::Latent;
@@ -23,8 +24,6 @@ const NEAREST: f64 = 2.0;
 const FARTHEST: f64 = 64.0;
 /// Places at which it is evaluated along an axis that is followed.
 const PLACES: usize = 32;
-/// Parts of a stretch between two of them that its moments are summed by.
-const PARTS: usize = 8;
 /// How much worse than the best place, in natural units of the logarithm, the mean may fit to be told.
 const WORSE: f64 = 2.0;
 
@@ -41,14 +40,14 @@ fn try_to_follow(data: &Measured, posterior: &mut Posterior) -> Result<(bool, Op
     let (latent, count) = (Latent::default(), posterior.unknowns.len());
     let Posterior { model, unknowns, y, .. } = posterior.clone();
     let mut profile = Profile::new(Joint::new(data, &model, &unknowns, &latent)?, &y[..count])?;
-    let axes = profile.widest_first();
+    let axes = profile.in_order();
     let is_followed = axes.into_iter().filter(|k| profile.follow(*k)).count() > 0;
     data.bench.count(profile.joint.simulations);
     if is_followed {
         profile.tell(posterior)?;
     }
     let beyond = profile.beyond.map(|k| {
-        let path = &unknowns[profile.axes.column(k).rows(0, count).iamax()].path;
+        let path = &unknowns[profile.most_moved(k)].path;
         format!("a better fit may lie beyond the interval of {path}: the likelihood still rises there")
     });
     Ok((is_followed, beyond))
@@ -62,8 +61,11 @@ struct Profile<'a, 'd> {
     end: DVector<f64>,
     /// Covariance there.
     covariance: DMatrix<f64>,
-    /// Columns that make up that of the parameters, one deviation long each; the rest of the unknowns goes with them.
+    /// Columns that make up that of the parameters, one deviation long each, and for each parameter at its bound its own change
+    /// inwards; the rest of the unknowns goes with them.
     axes: DMatrix<f64>,
+    /// How many of them are not of a parameter at its bound.
+    free: usize,
     /// Unknowns at their bounds.
     held: Vec<usize>,
     linear: Vec<Whitened>,
@@ -87,17 +89,16 @@ impl<'a, 'd> Profile<'a, 'd> {
         joint.noise.renew(joint.data, &joint.priors, &joint.residuals(), true);
         let (n, count) = (y.len(), parameters.len());
         let mut curvature = DMatrix::from_row_slice(n, n, &joint.sums_here(&y).curvature);
+        let unheld = curvature.clone();
         let held = joint.hold(&y, &mut curvature);
         let covariance = curvature.cholesky().ok_or("the curvature is not positive")?.inverse();
         let free: Vec<usize> = (0..count).filter(|i| !held.contains(i)).collect();
-        let of_free = covariance.select_columns(&free);
-        let axes = if free.is_empty() {
-            of_free
-        } else {
-            let eigen = of_free.select_rows(&free).symmetric_eigen();
-            let scaled = |i: usize, k: usize| eigen.eigenvectors[(i, k)] / eigen.eigenvalues[k].sqrt();
-            of_free * DMatrix::from_fn(free.len(), free.len(), scaled)
-        };
+        let mut axes = principal(&covariance, &free);
+        let (lower, upper) = joint.bounds();
+        for i in held.iter().copied().take_while(|i| *i < count) {
+            let sign = if upper[i] - y[i] < y[i] - lower[i] { -1.0 } else { 1.0 };
+            axes.extend(std::iter::once(sign * alone(i, &held, &unheld, &covariance)));
+        }
         Ok(Self {
             linear: joint.whitened(),
             predictions: joint.predictions(),
@@ -108,15 +109,24 @@ impl<'a, 'd> Profile<'a, 'd> {
             middle: DVector::zeros(axes.ncols()),
             deviations: DVector::from_element(axes.ncols(), 1.0),
             axes,
+            free: free.len(),
             held,
             beyond: None,
         })
     }
 
-    fn widest_first(&self) -> Vec<usize> {
+    /// Those of parameters at their bounds first, for what they move the others by to first order alone; the widest first.
+    fn in_order(&self) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.axes.ncols()).collect();
-        order.sort_by(|a, b| self.axes.column(*b).norm().total_cmp(&self.axes.column(*a).norm()));
+        let wide = |k: &usize| self.axes.column(*k).norm();
+        order.sort_by(|a, b| (*a < self.free).cmp(&(*b < self.free)).then(wide(b).total_cmp(&wide(a))));
         order
+    }
+
+    /// The parameter that is at its bound, or that moves most along axis `k`.
+    fn most_moved(&self, k: usize) -> usize {
+        let of_held = k.checked_sub(self.free).map(|place| self.held[place]);
+        of_held.unwrap_or_else(|| self.axes.column(k).rows(0, self.parameters).iamax())
     }
 
     /// `place` deviations from the middle along axis `k`; the records' own unknowns go along as far as they may.
@@ -151,8 +161,9 @@ impl<'a, 'd> Profile<'a, 'd> {
             return f64::INFINITY;
         }
         let gradient = self.gradient(&y);
-        let gain = gradient.dot(&(&self.covariance * &gradient)) - self.axes.column(k).dot(&gradient).powi(2);
-        cost - 0.5 * gain
+        // What the axis itself changes is no other.
+        let own = if k < self.free { self.axes.column(k).dot(&gradient) } else { 0.0 };
+        cost - 0.5 * (gradient.dot(&(&self.covariance * &gradient)) - own * own)
     }
 
     /// Of the cost at `y`, which was tried last, by the derivatives at the end of the fit.
@@ -183,7 +194,7 @@ impl<'a, 'd> Profile<'a, 'd> {
             let place = self.inside(k, ends[side]);
             along.add(place, self.cost(k, place));
         }
-        for _ in along.0.len()..PLACES {
+        for _ in along.count()..PLACES {
             let place = along.heaviest();
             along.add(place, self.cost(k, place));
         }
@@ -203,10 +214,12 @@ impl<'a, 'd> Profile<'a, 'd> {
     /// The costs along axis `k`, if they rise less than the curvature promises.
     fn slower(&mut self, k: usize) -> Option<Costs> {
         let here = self.cost(k, 0.0);
-        let mut along = Costs(vec![[0.0, here]]);
+        let mut along = Costs::at([0.0, here]);
         let mut is_slower = false;
         for (reach, least) in REACHES {
-            for place in [-reach, reach].map(|place| self.inside(k, place)) {
+            for place in
+                [-reach, reach].map(|place| self.inside(k, place)).into_iter().filter(|at| *at != 0.0)
+            {
                 let cost = self.cost(k, place);
                 is_slower |= place.abs() > NEAREST && cost - here < least * 0.5 * place * place;
                 along.add(place, cost);
@@ -226,60 +239,27 @@ impl<'a, 'd> Profile<'a, 'd> {
     }
 }
 
-/// Places along an axis in order, each with its cost; straight between them.
-struct Costs(Vec<[f64; 2]>);
-
-impl Costs {
-    /// Unless the place is there already.
-    fn add(&mut self, place: f64, cost: f64) {
-        let after = self.0.partition_point(|[known, _]| *known < place);
-        if self.0.get(after).is_none_or(|[known, _]| *known != place) {
-            self.0.insert(after, [place, cost]);
-        }
+/// Columns that make up the `covariance` of the unknowns `free`, one deviation long each.
+fn principal(covariance: &DMatrix<f64>, free: &[usize]) -> DMatrix<f64> {
+    let of_free = covariance.select_columns(free);
+    if free.is_empty() {
+        return of_free;
     }
+    let eigen = of_free.select_rows(free).symmetric_eigen();
+    let scaled = |i: usize, k: usize| eigen.eigenvectors[(i, k)] / eigen.eigenvalues[k].sqrt();
+    of_free * DMatrix::from_fn(free.len(), free.len(), scaled)
+}
 
-    fn best(&self) -> [f64; 2] {
-        self.0.iter().copied().min_by(|[_, a], [_, b]| a.total_cmp(b)).unwrap_or_default()
-    }
-
-    /// The side of the `ends` where the last place is both the end and the best one.
-    fn rises_at(&self, ends: [f64; 2]) -> Option<usize> {
-        (0..2).find(|side| self.best()[0] == ends[*side])
-    }
-
-    /// Parts of the stretch after place `k`: where each lies, and its likelihood over that of the best place.
-    fn parts(&self, k: usize) -> impl Iterator<Item = [f64; 2]> {
-        let least = self.best()[1];
-        let ([from, cost], [to, other]) = (self.0[k], self.0[k + 1]);
-        (0..PARTS).map(move |part| {
-            let share = (part as f64 + 0.5) / PARTS as f64;
-            let density = (least - (1.0 - share) * cost - share * other).exp();
-            [from + share * (to - from), density * (to - from) / PARTS as f64]
-        })
-    }
-
-    /// The middle of the stretch in which most of the likelihood lies, or may lie where one end has none.
-    fn heaviest(&self) -> f64 {
-        let weight = |k: usize| {
-            let ([from, cost], [to, other]) = (self.0[k], self.0[k + 1]);
-            if cost.is_infinite() != other.is_infinite() {
-                (self.best()[1] - cost.min(other)).exp() * (to - from)
-            } else {
-                self.parts(k).map(|[_, weight]| weight).sum()
-            }
-        };
-        let heaviest = (0..self.0.len().saturating_sub(1)).max_by(|a, b| weight(*a).total_cmp(&weight(*b)));
-        heaviest.map_or(0.0, |k| 0.5 * (self.0[k][0] + self.0[k + 1][0]))
-    }
-
-    /// The mean and the deviation, if there is any stretch of likelihood.
-    fn moments(&self) -> Option<[f64; 2]> {
-        let parts = || (0..self.0.len() - 1).flat_map(|k| self.parts(k));
-        let sum: f64 = parts().map(|[_, weight]| weight).sum();
-        let mean = parts().map(|[place, weight]| place * weight).sum::<f64>() / sum;
-        let square = parts().map(|[place, weight]| (place - mean).powi(2) * weight).sum::<f64>() / sum;
-        (sum > 0.0 && square.is_finite()).then_some([mean, square.sqrt()])
-    }
+/// The change of the unknown `i`, one of the `held`, while the others of them stay: one deviation long under the curvature
+/// `unheld`, the free ones at their best by their `covariance`.
+fn alone(i: usize, held: &[usize], unheld: &DMatrix<f64>, covariance: &DMatrix<f64>) -> DVector<f64> {
+    let mut pull = unheld.column(i).into_owned();
+    held.iter().for_each(|k| pull[*k] = 0.0);
+    let mut change = -(covariance * &pull);
+    // Of the prior there is one at least.
+    let curvature = (unheld[(i, i)] + pull.dot(&change)).max(1.0);
+    change[i] = 1.0;
+    change / curvature.sqrt()
 }
 
 #[cfg(test)]
@@ -356,60 +336,75 @@ mod tests {
         }
     }
 
-    /// Costs at the reaches, and at as many more places as are evaluated.
-    fn evaluated(cost: impl Fn(f64) -> f64) -> Costs {
-        let mut along = Costs(Vec::new());
-        [-16.0, -8.0, -4.0, 0.0, 4.0, 8.0, 16.0].into_iter().for_each(|place| along.add(place, cost(place)));
-        while along.0.len() < PLACES {
-            let place = along.heaviest();
-            along.add(place, cost(place));
+    /// The ends of fits from `model` at which the unknown in place `k` is at its bound, and what became of them when they were
+    /// followed, of so many measurements of `truth` with noise `of` its force.
+    fn from_bound(truth: &Model, model: &Model, k: usize, of: [f64; 2], count: u64) -> Vec<[Posterior; 2]> {
+        let both = |seed| followed(model, &measured(truth, of, &mut Random::new(seed)));
+        let at_bound = |of: &Posterior| of.unknowns[k].coordinate.is_at_bound(of.y[k]);
+        (0..count).map(both).filter(|[fitted, _]| at_bound(fitted)).collect()
+    }
+
+    #[test]
+    fn a_fit_that_stuck_at_a_bound_is_followed_from_there() {
+        let model = |spread: f64| slider(&format!("[[effect]]\nid = \"micro_slip\"\nspread = {spread}\n"));
+        let stuck = from_bound(&model(0.97), &model(1.0), 2, [0.01, 0.93], 12);
+        assert!(stuck.len() > 1, "{}", stuck.len());
+        let holds = |of: &Posterior| {
+            let spread = of.estimates().swap_remove(2);
+            spread.low.zip(spread.high).is_some_and(|(low, high)| low < 0.97 && 0.97 < high)
+        };
+        assert!(stuck.iter().all(|[fitted, followed]| !holds(fitted) && holds(followed)), "{stuck:?}");
+    }
+
+    #[test]
+    fn a_smooth_likelihood_that_ends_at_a_bound_is_left_as_it_is() {
+        let model = Model::parse(
+            "schema = \"stickslip.model/1\"\nkind = \"contact\"\n[contact]\nlaw = \"bouc_wen\"\n\
+             tangential_stiffness = 2e6\nfriction_coefficient = 0.5\nnormal_load = 100.0\nsharpness = 2.0\n\
+             unloading_ratio = 1.0\n",
+        )
+        .unwrap();
+        let ends = from_bound(&model, &model, 3, [0.003, 0.0], 16);
+        assert!(ends.len() > 1, "{}", ends.len());
+        for [fitted, followed] in ends {
+            assert_eq!((fitted.y, fitted.deviations), (followed.y, followed.deviations));
         }
-        along
     }
 
     #[test]
-    fn moments_are_those_of_the_likelihood_wherever_its_top_is() {
-        for (top, deviation) in [(0.0, 1.0), (3.0, 2.0), (-9.0, 0.7)] {
-            let along = evaluated(|place| 0.5 * ((place - top) / deviation).powi(2) + 3.0);
-            let [mean, wide] = along.moments().unwrap();
-            assert!((mean - top).abs() < 0.1 * deviation, "{top}: {mean}");
-            assert!((wide / deviation - 1.0).abs() < 0.1, "{top}: {wide}");
-        }
-    }
-
-    #[test]
-    fn places_without_a_prediction_weigh_nothing_and_are_approached() {
-        for (from, to) in [(-7.9, 7.9), (-3.9, 7.9), (-16.0, 1.0)] {
-            let along = evaluated(|place| if (from..=to).contains(&place) { 1.0 } else { f64::INFINITY });
-            let [mean, deviation] = along.moments().unwrap();
-            assert!((mean - 0.5 * (from + to)).abs() < 0.3, "{from} {to}: {mean}");
-            assert!(
-                (deviation * 12.0_f64.sqrt() / (to - from) - 1.0).abs() < 0.1,
-                "{from} {to}: {deviation}"
-            );
-        }
-        assert_eq!(Costs(vec![[-1.0, f64::INFINITY], [0.0, 2.0], [1.0, f64::INFINITY]]).moments(), None);
-    }
-
-    #[test]
-    fn an_end_that_is_the_best_place_is_seen_and_a_bound_is_none() {
-        let along = evaluated(|place| -place);
-        assert_eq!(along.rises_at([-16.0, 16.0]), Some(1));
-        assert_eq!(along.rises_at([-16.0, 32.0]), None);
-    }
-
-    #[test]
-    fn parameters_that_are_all_at_their_bounds_are_not_followed() {
-        let truth = slider("");
+    fn a_parameter_at_its_bound_takes_the_free_ones_along_and_no_other_that_is_held() {
+        let truth = slider("[[effect]]\nid = \"micro_slip\"\nspread = 0.97\n");
         let dataset = measured(&truth, [0.01, 0.0], &mut Random::new(1));
         let bench = WeightedDataset::new(&truth, &dataset, Assumptions::default(), None).unwrap();
         let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
         let fitted = first(&data, None, &truth).unwrap().0;
         let latent = Latent::default();
-        let joint = Joint::new(&data, &fitted.model, &fitted.unknowns, &latent).unwrap();
-        let (lower, _) = joint.bounds();
-        let profile = Profile::new(joint, &lower).unwrap();
-        assert_eq!(profile.axes.ncols(), 0);
-        assert!(profile.widest_first().is_empty());
+        let joint = || Joint::new(&data, &fitted.model, &fitted.unknowns, &latent).unwrap();
+        let (lower, upper) = joint().bounds();
+        let mut start = [0.0; 3];
+        for (place, end, sign) in [(2, upper[2], -1.0), (0, lower[0], 1.0), (1, upper[1], -1.0)] {
+            start[place] = end;
+            let profile = Profile::new(joint(), &start).unwrap();
+            let curvature = profile.joint.sums_here(&start).curvature;
+            let curvature = DMatrix::from_row_slice(3, 3, &curvature);
+            assert_eq!(profile.axes.ncols(), 3);
+            for (k, i) in (profile.free..3).zip(&profile.held) {
+                let along = profile.axes.column(k);
+                let pull = &curvature * along;
+                assert!((along.dot(&pull) - 1.0).abs() < 1e-9, "{along} {pull}");
+                let others = profile.held.iter().filter(|other| *other != i);
+                assert!(others.into_iter().all(|other| along[*other] == 0.0), "{along}");
+                let free = (0..3).filter(|other| !profile.held.contains(other));
+                assert!(
+                    free.into_iter().all(|other| pull[other].abs() < 1e-6 * pull[*i].abs()),
+                    "{along} {pull}"
+                );
+                if *i == place {
+                    assert!(along[place] * sign > 0.0, "{along}");
+                    assert_eq!(profile.inside(k, -4.0), 0.0);
+                }
+                assert_eq!(profile.most_moved(k), *i);
+            }
+        }
     }
 }
