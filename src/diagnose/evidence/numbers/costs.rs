@@ -1,5 +1,7 @@
 //! The cost along one axis, and the mean and the deviation of the likelihood that it stands for.
 
+/// Places at which it is evaluated along an axis that is followed.
+const PLACES: usize = 32;
 /// Parts of a stretch between two places that its moments are summed by.
 const PARTS: usize = 8;
 
@@ -11,15 +13,19 @@ impl Costs {
         Self(vec![place])
     }
 
-    pub fn count(&self) -> usize {
-        self.0.len()
-    }
-
     /// Unless the place is there already.
     pub fn add(&mut self, place: f64, cost: f64) {
         let after = self.0.partition_point(|[known, _]| *known < place);
         if self.0.get(after).is_none_or(|[known, _]| *known != place) {
             self.0.insert(after, [place, cost]);
+        }
+    }
+
+    /// Evaluates `cost` where most of the likelihood lies, until there are enough places.
+    pub fn fill(&mut self, mut cost: impl FnMut(f64) -> f64) {
+        for _ in self.0.len()..PLACES {
+            let place = self.heaviest();
+            self.add(place, cost(place));
         }
     }
 
@@ -44,7 +50,7 @@ impl Costs {
     }
 
     /// The middle of the stretch in which most of the likelihood lies, or may lie where one end has none.
-    pub fn heaviest(&self) -> f64 {
+    fn heaviest(&self) -> f64 {
         let weight = |k: usize| {
             let ([from, cost], [to, other]) = (self.0[k], self.0[k + 1]);
             if cost.is_infinite() != other.is_infinite() {
@@ -71,16 +77,11 @@ impl Costs {
 mod tests {
     use super::*;
 
-    const PLACES: usize = 32;
-
     /// Costs at the reaches, and at as many more places as are evaluated.
     fn evaluated(cost: impl Fn(f64) -> f64) -> Costs {
         let mut along = Costs(Vec::new());
         [-16.0, -8.0, -4.0, 0.0, 4.0, 8.0, 16.0].into_iter().for_each(|place| along.add(place, cost(place)));
-        while along.0.len() < PLACES {
-            let place = along.heaviest();
-            along.add(place, cost(place));
-        }
+        along.fill(cost);
         along
     }
 

@@ -22,8 +22,6 @@ const REACHES: [(f64, f64); 3] = [(4.0, 0.64), (8.0, 0.4), (16.0, 0.4)];
 const NEAREST: f64 = 2.0;
 /// How far it is followed at most, where its best place is the last one.
 const FARTHEST: f64 = 64.0;
-/// Places at which it is evaluated along an axis that is followed.
-const PLACES: usize = 32;
 /// How much worse than the best place, in natural units of the logarithm, the mean may fit to be told.
 const WORSE: f64 = 2.0;
 
@@ -194,10 +192,7 @@ impl<'a, 'd> Profile<'a, 'd> {
             let place = self.inside(k, ends[side]);
             along.add(place, self.cost(k, place));
         }
-        for _ in along.count()..PLACES {
-            let place = along.heaviest();
-            along.add(place, self.cost(k, place));
-        }
+        along.fill(|place| self.cost(k, place));
         let Some([mean, deviation]) = along.moments() else { return false };
         let at_mean = self.cost(k, mean);
         if self.joint.data.bench.interrupted() {
@@ -295,12 +290,12 @@ mod tests {
         Dataset { title: None, records: [3e-5, 6e-5, 1.2e-4].map(record).to_vec() }
     }
 
-    /// As fitted from the truth, and as followed.
-    fn followed(truth: &Model, dataset: &Dataset) -> [Posterior; 2] {
-        let bench = WeightedDataset::new(truth, dataset, Assumptions::default(), None).unwrap();
+    /// As fitted from `model`, and as followed.
+    fn followed(model: &Model, dataset: &Dataset) -> [Posterior; 2] {
+        let bench = WeightedDataset::new(model, dataset, Assumptions::default(), None).unwrap();
         let all: Vec<usize> = (0..dataset.records.len()).collect();
         let data = Measured::new(&bench, &all, &[], &[]);
-        let fitted = first(&data, None, truth).and_then(|(first, _)| again(&data, &first)).unwrap();
+        let fitted = first(&data, None, model).and_then(|(first, _)| again(&data, &first)).unwrap();
         let mut followed = fitted.clone();
         assert_eq!(follow(&data, &mut followed).1, None);
         [fitted, followed]
