@@ -7,7 +7,7 @@ use super::candidates::{self, Candidate};
 use super::diagnosis::{Diagnosis, Noise, Verdict};
 use super::error::DiagnoseError;
 use super::evaluate;
-use super::evidence::{self, Measured, Posterior, Question};
+use super::evidence::{self, Measured, Posterior, Question, Weighed};
 use super::measurements::noise::noise_of;
 use super::measurements::split;
 use super::measurements::weighted_dataset::WeightedDataset;
@@ -161,7 +161,9 @@ fn diagnosis(
     let test = Measured::new(&bench, &parts.test, &measured, &through);
     let all = Measured::new(&bench, &parts.all(), &measured, &through);
     let decision = Decision::of(&context, &weighed).confirmed(&context, &weighed, &test, &all);
-    let not_allowed = weighed.assure(decision.best, &data);
+    let whole = thinned.is_some().then(|| prepared(model, dataset, options.assumptions, watch.interrupt));
+    let whole = whole.transpose()?.map(|(whole, _)| whole);
+    let not_allowed = assured(&mut weighed, decision.best, &training, &bench, whole.as_ref());
     if !bench.interrupted() {
         progress.tell("the parameters told, from other starts and in finer steps");
     }
@@ -244,6 +246,7 @@ fn prepared<'d>(
 }
 
 /// Records that hypotheses are fitted to, with what is known of their noise.
+#[derive(Clone, Copy)]
 struct Fitted<'a> {
     records: &'a [usize],
     noise: &'a [Noise],
@@ -255,6 +258,22 @@ impl Fitted<'_> {
     fn of<'b, 'd>(&self, bench: &'b WeightedDataset<'d>) -> Measured<'b, 'd> {
         Measured::new(bench, self.records, self.noise, self.through)
     }
+}
+
+/// Makes sure of the numbers of the set that was `decided` for, by all samples where those of `bench` are not the `whole`; why they
+/// do not hold, if they do not.
+fn assured(
+    weighed: &mut Weighed,
+    decided: usize,
+    training: &Fitted,
+    bench: &WeightedDataset,
+    whole: Option<&WeightedDataset>,
+) -> Option<String> {
+    let data = training.of(bench);
+    let Some(whole) = whole else { return weighed.assure(decided, &data, None) };
+    let through = inputs::through(&weighed.sets[decided].posterior.model, whole);
+    let whole = Fitted { through: &through, ..*training }.of(whole);
+    weighed.assure(decided, &data, Some(&whole))
 }
 
 /// What `answer` says of the question that `bench` poses, with first looks and beginnings of the same records.

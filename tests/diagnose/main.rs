@@ -7,6 +7,7 @@ mod compare_columns;
 mod compare_records;
 mod few_points;
 mod laws;
+mod long_records;
 mod noise;
 mod oscillator;
 mod pairs;

@@ -2,10 +2,10 @@
 //!
 //! A hypothesis is a model with a set of effects, and possibly a `discrepancy` that stands for what the catalogue
 //! lacks. Its `unknown`s have priors in units of the problem (`Assumptions` hold all that decides), the noise is
-//! `autoregression` with a size per record (`measured`). `joint` is the sum of squares of all that is unknown, over
+//! `autoregression` with a size per record (`noise_prior`, `measured`). `joint` is the sum of squares of all that is unknown, over
 //! `slot`s of one record each (`starts`: their unknown past) and with what a discrepancy adds (`latent`); `posterior`
 //! is its minimum with the volume around it, `probe` what amounts of each candidate would change to first order. `search`
-//! grows sets from none by first `looks` and whole fits, and `neighbours` makes sure of the likely ones; `weights` makes
+//! grows `set`s from none by first `looks` and whole fits, and `neighbours` makes sure of the likely ones; `weights` makes
 //! probabilities of their evidence, `limits` tells what could not have been seen. `numbers` makes sure of those
 //! of the base and of the decided one, which are told.
 
@@ -73,12 +73,13 @@ pub(super) struct Weighed {
 impl Weighed {
     /// Makes sure of the parameters of the set that was `decided` for: no better fit lies near, they are in the middle of the
     /// likelihood, the error of predictions is no part of them, and they allow for the noise that drove the model; why not, if
-    /// they do not. Only of what is told, after the decision: all sets were compared by the same predictions.
-    pub fn assure(&mut self, decided: usize, data: &Measured) -> Option<String> {
+    /// they do not. Only of what is told, after the decision: all sets were compared by the same predictions. `whole` are all
+    /// samples of those records, where `data` are not.
+    pub fn assure(&mut self, decided: usize, data: &Measured, whole: Option<&Measured>) -> Option<String> {
         if data.bench.interrupted() {
             return None;
         }
-        let (agreement, reason) = numbers::assure(data, &mut self.sets[decided].posterior);
+        let (agreement, reason) = numbers::assure(data, whole, &mut self.sets[decided].posterior);
         self.agreement = agreement;
         reason
     }

@@ -270,7 +270,8 @@ pub fn warnings(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
     let (samples, fitted) = (diagnosis.cost.samples, diagnosis.cost.fitted_samples);
     if fitted < samples {
         all.push(format!(
-            "Fitted to {fitted} of {samples} samples, between which the motion is straight. The errors are those of all."
+            "Effects were weighed by {fitted} of {samples} samples, between which the motion is straight. The numbers and errors \
+             are those of all."
         ));
     }
     if !diagnosis.surrogates.is_empty() && diagnosis.verdict == Verdict::Unexplained {

@@ -101,7 +101,7 @@ fn fits_to_fewer_samples_are_said_before_the_next_step() {
         let cost = Cost { fitted_samples, ..found().cost };
         let diagnosis = Diagnosis { cost, ..found() };
         let text = diagnosis_table(&diagnosis, &run(), 400, false);
-        assert_eq!(text.split("Next").next().unwrap().contains("Fitted to 800 of 9600 samples"), said);
+        assert_eq!(text.split("Next").next().unwrap().contains("weighed by 800 of 9600 samples"), said);
         assert_eq!(json(&diagnosis)["cost"]["fitted_samples"], fitted_samples);
     }
 }
