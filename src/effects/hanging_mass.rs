@@ -13,6 +13,10 @@ const BEYOND: [i32; 9] = [1, 2, 3, 4, 5, 6, 8, 10, 12];
 /// Steps between the drives' frequencies at most; wider ones where they are farther apart.
 const BETWEEN: f64 = 24.0;
 
+/// The farthest above the drives' frequencies: what a resonator does differs there by a hundredth, `1/FARTHEST²`, from what a mass
+/// does that is fixed, and simulations must still resolve it.
+const FARTHEST: f64 = 10.0;
+
 /// The drives' lowest and highest frequency (Hz).
 fn drives(scales: &Scales) -> (f64, f64) {
     (scales.lowest_frequency.min(scales.frequency), scales.frequency)
@@ -54,7 +58,7 @@ pub(super) static EFFECT: Effect = Effect {
             neutral: None,
             range: |scales| {
                 let (low, high) = drives(scales);
-                magnitudes(0.05 * low, 20.0 * high, &frequencies(scales))
+                magnitudes(0.05 * low, FARTHEST * high, &frequencies(scales))
             },
         },
     ],
