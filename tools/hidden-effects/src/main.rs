@@ -11,6 +11,7 @@ use serde_json::Value;
 use stickslip_hidden_effects::cases::case::{Case, Kind};
 use stickslip_hidden_effects::cases::files;
 use stickslip_hidden_effects::cases::sealed::sealed;
+use stickslip_hidden_effects::cases::three::three;
 use stickslip_hidden_effects::scoring::run::{self, Plan, Task};
 use stickslip_hidden_effects::scoring::truth::Truth;
 use stickslip_hidden_effects::scoring::visibility::visibility;
@@ -34,6 +35,9 @@ struct Arguments {
     /// Another set of the same cases, all numbers and all noise drawn anew
     #[arg(long, default_value_t = 0)]
     set: usize,
+    /// Cases that hide three effects instead, for a diagnosis that may add so many; the page counts them as pairs
+    #[arg(long)]
+    three: bool,
     /// Runs side by side; with one the program takes all cores
     #[arg(long, default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
     jobs: usize,
@@ -125,7 +129,8 @@ fn chosen(arguments: &Arguments) -> Result<Vec<Case>, String> {
     {
         return Err(format!("no kind `{word}`: contact, oscillator, beam"));
     }
-    let cases: Vec<Case> = sealed()
+    let cases = if arguments.three { three() } else { sealed() };
+    let cases: Vec<Case> = cases
         .into_iter()
         .map(|case| Case { replica: case.replica + REPLICAS * arguments.set, ..case })
         .filter(|case| wanted(arguments, case.kind.word(), &case.name()))
@@ -176,6 +181,7 @@ fn score(arguments: &Arguments, tasks: &[Task], set: &str) -> Result<(), String>
         fresh: arguments.fresh,
         resume: arguments.resume,
         assume: None,
+        max_effects: arguments.three.then_some(3),
         longest: Duration::from_secs(arguments.longest),
     };
     if arguments.assumptions {

@@ -87,10 +87,12 @@ fn singles(kind: Kind, cases: &mut Vec<Case>) {
     }
 }
 
+/// The noises of pairs, in turn.
+pub(super) const PLAN_OF_PAIRS: [(f64, bool); 3] = [(0.01, false), (0.003, true), (0.03, false)];
+
 fn pairs(kind: Kind, cases: &mut Vec<Case>) {
-    const PLAN: [(f64, bool); 3] = [(0.01, false), (0.003, true), (0.03, false)];
     for (index, pair) in kind.pairs().iter().enumerate() {
-        cases.push(case(kind, pair, Strength::Full, PLAN[index % 3], 1));
+        cases.push(case(kind, pair, Strength::Full, PLAN_OF_PAIRS[index % 3], 1));
     }
 }
 

@@ -54,6 +54,8 @@ pub struct Plan {
     pub resume: bool,
     /// `NAME=VALUE` that the program is to take for granted instead of what it does.
     pub assume: Option<String>,
+    /// How many effects the program may add, where that is not what it does by itself.
+    pub max_effects: Option<usize>,
     /// A run that takes longer has failed.
     pub longest: Duration,
 }
@@ -145,6 +147,9 @@ fn diagnose(plan: &Plan, task: &Task, build: &str) -> Result<(Option<i32>, Diagn
     let mut command = Command::new(&plan.program);
     command.arg("diagnose").arg(folder.join("model.toml")).arg(folder.join("dataset.toml"));
     command.arg("--json").arg(&answer).stdin(Stdio::null()).stdout(Stdio::null()).stderr(errors);
+    if let Some(most) = plan.max_effects {
+        command.args(["--max-effects", &most.to_string()]);
+    }
     command.args(plan.assume.iter().flat_map(|word| ["--assume", word]));
     if plan.jobs > 1 {
         let cores = thread::available_parallelism().map_or(1, usize::from);

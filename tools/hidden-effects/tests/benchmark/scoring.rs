@@ -234,6 +234,7 @@ exit 10
             fresh,
             resume: false,
             assume: None,
+            max_effects: None,
             longest: Duration::from_secs(20),
         };
         let outcomes = run(&plan, &tasks()).unwrap();
