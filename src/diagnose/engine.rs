@@ -22,6 +22,9 @@ use crate::fit::compare::{RefitError, Stage};
 use crate::fit::{FitError, InterruptHook};
 use crate::model::Model;
 
+/// Effects together of which it was shown how often they are named where they are not missing.
+const VALIDATED: usize = 2;
+
 /// What a diagnosis tries.
 ///
 /// ```
@@ -35,7 +38,7 @@ use crate::model::Model;
 pub struct DiagnoseOptions {
     /// Ids of the only effects to try; `None` for the whole catalogue.
     pub effects: Option<Vec<String>>,
-    /// Effects that may be added at most.
+    /// Effects that may be added at most. Three together imitate much that is none of them.
     pub max_effects: usize,
     /// What is taken for granted.
     pub assumptions: Assumptions,
@@ -43,7 +46,7 @@ pub struct DiagnoseOptions {
 
 impl Default for DiagnoseOptions {
     fn default() -> Self {
-        Self { effects: None, max_effects: 3, assumptions: Assumptions::default() }
+        Self { effects: None, max_effects: VALIDATED, assumptions: Assumptions::default() }
     }
 }
 
@@ -172,17 +175,32 @@ fn diagnosis(
     }
     let mut diagnosis =
         verdict::of(&context, &weighed, decision, [&test, &all], (baseline, measured, untried));
-    let reasons = &mut diagnosis.reasons;
-    reasons.extend(split::copies(dataset));
-    reasons.extend(lost.into_iter().chain(not_allowed));
+    let of_options = limits(options, &diagnosis);
+    diagnosis.reasons.extend(split::copies(dataset));
+    diagnosis.reasons.extend(lost.into_iter().chain(not_allowed).chain(of_options));
+    Ok(diagnosis)
+}
+
+/// What the options have to do with the answer.
+fn limits(options: &DiagnoseOptions, diagnosis: &Diagnosis) -> Vec<String> {
+    let mut limits = Vec::new();
     if let Some(only) = &options.effects {
         let only = only.join(", ");
-        reasons.push(format!("only {only} was tried: the result says nothing of the other effects"));
+        limits.push(format!("only {only} was tried: the result says nothing of the other effects"));
     }
-    if options.max_effects == 0 {
-        reasons.push("no effect may be added (--max-effects 0)".to_owned());
+    let (most, reached) = (options.max_effects, diagnosis.surrogates.len());
+    if most == 0 {
+        limits.push("no effect may be added (--max-effects 0)".to_owned());
+    } else if diagnosis.verdict == Verdict::Unexplained && reached >= most {
+        let more = most + 1;
+        limits.push(format!("more than {most} together were not tried (--max-effects {more})"));
     }
-    Ok(diagnosis)
+    if diagnosis.effects.len() > VALIDATED {
+        limits.push(format!(
+            "sets of more than {VALIDATED} effects fit much that they did not cause: the probability does not know of that"
+        ));
+    }
+    limits
 }
 
 /// The model refitted as it is to some records.

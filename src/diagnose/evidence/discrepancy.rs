@@ -8,7 +8,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::joint::Joint;
 use super::latent::Latent;
-use super::measured::{Measured, NoisePrior};
+use super::measured::Measured;
+use super::noise_prior::NoisePrior;
 use super::posterior::{HERE, Posterior, white_round};
 use crate::fit::Sums;
 use crate::fit::predict::Motion;

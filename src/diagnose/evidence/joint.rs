@@ -4,7 +4,8 @@ use nalgebra::{DMatrix, DVector, DVectorView};
 use rayon::prelude::*;
 
 use super::latent::Latent;
-use super::measured::{Measured, NoiseModel, NoisePrior};
+use super::measured::{Measured, NoiseModel};
+use super::noise_prior::NoisePrior;
 use super::posterior::Extent;
 use super::slot::Slot;
 use super::unknown::{Coordinate, Unknown};

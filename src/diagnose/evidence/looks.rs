@@ -7,9 +7,8 @@ use super::joint::Tangents;
 use super::measured::Measured;
 use super::posterior::{LOOK, Posterior, Start, glance, screen};
 use super::probe::{self, Probe, Probed, SIZES};
-use super::search::{
-    BEHIND, CLOSER, Search, Set, TWICE, WORTH, best_of_each, evidence, is_adequate, promising, rank,
-};
+use super::search::{BEHIND, CLOSER, Search, TWICE, WORTH, is_adequate, promising};
+use super::set::{Set, best_of_each, evidence, rank};
 
 /// Multiple of a prior's deviation that first numbers of effects with a second one start from, too.
 const MORE: f64 = 10.0;

@@ -2,86 +2,10 @@
 
 use super::autoregression::Autoregression;
 use super::joint::minus;
+use super::noise_prior::NoisePrior;
 use crate::diagnose::assumptions::Assumptions;
 use crate::diagnose::diagnosis::Noise;
 use crate::diagnose::measurements::weighted_dataset::{RecordResiduals, WeightedDataset};
-
-/// What is known of a channel's noise beforehand: its logarithm is evenly distributed up to a `largest` deviation, and normal
-/// below and above.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::diagnose) struct NoisePrior {
-    pub deviation: f64,
-    pub largest: f64,
-    /// Standard deviations of the logarithm below and above.
-    pub spreads: [f64; 2],
-    /// The probability that what is told is wrong here, as where a record is spoilt, and the standard deviation above then.
-    pub doubt: Option<[f64; 2]>,
-}
-
-impl NoisePrior {
-    fn new(deviation: f64, spread: f64, assumed: &Assumptions) -> Self {
-        // What is told may be a bound: a smaller noise speaks against nobody.
-        let spreads = [assumed.unknown_noise, spread];
-        let doubt = (spread < assumed.magnitude).then_some([1.0 - assumed.certain, assumed.magnitude]);
-        Self { deviation, largest: deviation, spreads, doubt }
-    }
-
-    /// With something of `more` that is not noise beside it, of which its order of magnitude is known, to `spread`.
-    pub fn released(self, more: f64, spread: f64) -> Self {
-        let [below, above] = self.spreads;
-        let largest = self.deviation.hypot(more);
-        Self { largest, spreads: [below, above.max(spread)], doubt: None, ..self }
-    }
-
-    /// The deviation that a sum of squares of `count` innovations makes most probable, where they are `fraction` of the
-    /// noise; and the log evidence of it beside the likelihood's.
-    fn most_probable(&self, square: f64, count: usize, fraction: f64) -> (f64, f64) {
-        let one = |spread: f64| self.within(spread, square, count, fraction);
-        let Some([wrong, spread]) = self.doubt else { return one(self.spreads[1]) };
-        let likelihood = |x: f64| -(count as f64) * x.ln() - 0.5 * square / (x * x);
-        let [right, other] =
-            [(one(self.spreads[1]), 1.0 - wrong), (one(spread), wrong)].map(|((x, evidence), weight)| {
-                (x, evidence + weight.ln(), evidence + weight.ln() + likelihood(x))
-            });
-        let (x, evidence, _) = if other.2 > right.2 { other } else { right };
-        (x, evidence)
-    }
-
-    /// The same where the logarithm has this standard deviation above.
-    fn within(&self, above: f64, square: f64, count: usize, fraction: f64) -> (f64, f64) {
-        let (n, below) = (count as f64, self.spreads[0]);
-        let [low, high] = [self.deviation, self.largest].map(|x| (x * fraction.sqrt()).ln());
-        let alone = (0.5 * (square / n).max(1e-300).ln()).max(low - 20.0);
-        let (x, off, precision) = if alone < low {
-            let x = beside(square, n, low, below);
-            (x, (x - low) / below, below.powi(-2))
-        } else if alone > high {
-            let x = beside(square, n, high, above);
-            (x, (x - high) / above, above.powi(-2))
-        } else {
-            (alone, 0.0, 0.0)
-        };
-        let width = 0.5 * (below + above) + (high - low) / std::f64::consts::TAU.sqrt();
-        (x.exp(), -0.5 * off * off - width.ln() - 0.5 * (2.0 * n + precision).ln())
-    }
-}
-
-/// The logarithm of a deviation that a sum of squares and a normal prior of it make most probable.
-fn beside(square: f64, n: f64, centre: f64, spread: f64) -> f64 {
-    // Newton: n x + S/2 e^{−2x} + (x − c)²/(2 s²).
-    let mut x = 0.5 * (square / n).max(1e-300).ln().max(2.0 * centre - 40.0);
-    for _ in 0..50 {
-        let exponential = square * (-2.0 * x).exp();
-        let slope = n - exponential + (x - centre) / (spread * spread);
-        let curvature = 2.0 * exponential + 1.0 / (spread * spread);
-        let step = (slope / curvature).clamp(-1.0, 1.0);
-        x -= step;
-        if step.abs() < 1e-12 {
-            break;
-        }
-    }
-    x
-}
 
 /// Some records of a dataset.
 pub(in crate::diagnose) struct Measured<'a, 'd> {
@@ -253,6 +177,47 @@ impl<'a, 'd> Measured<'a, 'd> {
         (sum / f64::max(count, 1.0)).sqrt()
     }
 
+    /// How many times as much as noise, told by what `heard` left of other records, `predictions` leave of a channel at most. Noise has
+    /// one size in all records or is one fraction of each: whichever of the two differs less from record to record.
+    pub fn louder(&self, predictions: &[Vec<f64>], heard: (&Self, &[Vec<f64>])) -> f64 {
+        let mut known: Vec<[Vec<f64>; 2]> = vec![Default::default(); self.processes];
+        for (channel, size) in heard.0.sizes_left(heard.1) {
+            let [sizes, fractions] = &mut known[channel.process];
+            sizes.push(size);
+            fractions.push(size / channel.size);
+        }
+        let ends = |of: &[f64]| {
+            of.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(*x), high.max(*x)))
+        };
+        let largest: Vec<[f64; 2]> = known
+            .iter()
+            .map(|known| {
+                let [sizes, fractions] = known.each_ref().map(|of| ends(of));
+                let is_one_size = sizes.1 / sizes.0 < fractions.1 / fractions.0;
+                if is_one_size { [sizes.1, 0.0] } else { [0.0, fractions.1] }
+            })
+            .collect();
+        let times = |(channel, size): (&MeasuredChannel, f64)| {
+            let [absolute, fraction] = largest[channel.process];
+            size / absolute.max(fraction.max(self.assumptions().relevant) * channel.size)
+        };
+        self.sizes_left(predictions).map(times).fold(0.0, f64::max)
+    }
+
+    /// Every channel of every record, and the root mean square of what `predictions` leave of it.
+    fn sizes_left(&self, predictions: &[Vec<f64>]) -> impl Iterator<Item = (&MeasuredChannel, f64)> {
+        let of_record = |(channels, left): (&'_ Vec<MeasuredChannel>, Vec<f64>)| {
+            let size = |channel: &MeasuredChannel| {
+                let left = &left[channel.range.clone()];
+                (left.iter().map(|x| x * x).sum::<f64>() / left.len() as f64).sqrt()
+            };
+            channels.iter().map(size).collect::<Vec<f64>>()
+        };
+        let sizes: Vec<f64> =
+            self.channels.iter().zip(self.residuals(predictions)).flat_map(of_record).collect();
+        self.channels.iter().flatten().zip(sizes)
+    }
+
     /// How much of the residual of `predictions` is more than noise, as a fraction of the channels: what is beyond a noise that is
     /// known; of an unknown one what follows from its own past, all of it where few values, or a size that noise hardly has, tell
     /// nothing of that.
@@ -400,31 +365,35 @@ mod tests {
 
     const COUNT: usize = 1000;
 
-    /// The deviation that residuals of a root mean square make most probable, and its log evidence with that of the
-    /// likelihood.
-    fn at(prior: NoisePrior, size: f64) -> (f64, f64) {
-        let square = COUNT as f64 * size * size;
-        let (deviation, evidence) = prior.most_probable(square, COUNT, 1.0);
-        (deviation, evidence - COUNT as f64 * deviation.ln() - 0.5 * square / (deviation * deviation))
-    }
-
     #[test]
-    fn residuals_of_the_size_told_confirm_it_and_many_outweigh_it() {
-        let prior = NoisePrior::new(2.0, 0.1, &Assumptions::default());
-        assert!((at(prior, 2.0).0 - 2.0).abs() < 1e-9);
-        assert!((at(prior, 2.3).0 / 2.3 - 1.0).abs() < 0.03 && at(prior, 2.3).0 < 2.3);
-        assert!((at(prior, 3.0).0 / 3.0 - 1.0).abs() < 0.03 && at(prior, 3.0).0 < 3.0);
-    }
-
-    #[test]
-    fn a_discrepancy_wins_where_the_residual_is_larger_than_the_noise_and_loses_where_it_is_not() {
-        let told = NoisePrior::new(0.01, 0.1, &Assumptions::default());
-        let gain = |size: f64| at(told.released(0.01, 1.0), size).1 - at(told, size).1;
-        // Of one record little, since that may be spoilt; all of eight are not.
-        assert!((1.5..5.0).contains(&gain(0.02)), "{}", gain(0.02));
-        for size in [1e-4, 0.005, 0.01, 0.0105] {
-            assert!(gain(size) < 0.0, "{size}: {}", gain(size));
-        }
+    fn records_are_as_loud_as_others_of_one_size_or_of_one_fraction() {
+        let model = slider("");
+        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+        let values = |of: &dyn Fn(f64) -> f64| (0..COUNT).map(|i| of(i as f64)).collect::<Vec<f64>>();
+        let levels = [1.0, 3.0, 9.0, 1.0, 9.0];
+        let record = |level: &f64| {
+            let channels = vec![
+                channel("time", "s", values(&|i| 1e-3 * i)),
+                channel("displacement", "m", values(&|i| 1e-6 * (0.1 * i).sin())),
+                channel("force", "N", values(&|i| level * (0.1 * i).sin())),
+            ];
+            Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels }
+        };
+        let dataset = Dataset { title: None, records: levels.iter().map(record).collect() };
+        let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
+        let [heard, tested] = [&[0, 1, 2][..], &[3, 4]].map(|of| Measured::new(&bench, of, &[], &[]));
+        let off = |data: &Measured, by: &[f64]| -> Vec<Vec<f64>> {
+            let one = |(k, by): (usize, &f64)| data.lane(k).measured.iter().map(|f| f + by).collect();
+            by.iter().enumerate().map(one).collect()
+        };
+        let louder =
+            |known: [f64; 3], by: [f64; 2]| tested.louder(&off(&tested, &by), (&heard, &off(&heard, &known)));
+        // Of one size, and of one fraction of the channel.
+        assert!((louder([0.2, 0.19, 0.2], [0.2, 0.8]) - 4.0).abs() < 0.01);
+        assert!((louder([0.2, 0.6, 1.7], [0.8, 1.8]) - 4.0).abs() < 0.01);
+        assert!((louder([0.2, 0.6, 1.7], [0.2, 1.8]) - 1.0).abs() < 0.01);
+        // What is irrelevant is no noise to be compared with.
+        assert!(louder([1e-6, 1e-6, 1e-6], [1e-4, 1e-4]) < 0.1);
     }
 
     #[test]
@@ -451,13 +420,5 @@ mod tests {
         assert!(white < 0.1, "{white}");
         let wave = foretold(&mut |i| 0.02 * (0.05 * i).sin());
         assert!(wave > 0.95, "{wave}");
-    }
-
-    #[test]
-    fn a_smaller_noise_than_told_costs_little() {
-        let told = NoisePrior::new(0.01, 0.1, &Assumptions::default());
-        let exact = NoisePrior::new(1e-4, 0.1, &Assumptions::default());
-        let cost = at(exact, 1e-4).1 - at(told, 1e-4).1;
-        assert!(cost < 5.0, "{cost}");
     }
 }

@@ -17,12 +17,14 @@ mod limits;
 mod looks;
 mod measured;
 mod neighbours;
+mod noise_prior;
 mod numbers;
 mod posterior;
 mod probe;
 #[cfg(test)]
 mod samples;
 mod search;
+mod set;
 mod slot;
 mod starts;
 mod unknown;
@@ -34,7 +36,8 @@ pub(super) use measured::Measured;
 pub(super) use numbers::{freed, intervals, steps_needed};
 pub(super) use posterior::{Posterior, Solutions};
 pub(super) use probe::Prepared;
-pub(super) use search::{Search, Set};
+pub(super) use search::Search;
+pub(super) use set::Set;
 
 use joint::Joint;
 use latent::Latent;

@@ -4,7 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::joint::{Joint, Tangents};
 use super::latent::Latent;
-use super::measured::{Measured, NoisePrior};
+use super::measured::Measured;
+use super::noise_prior::NoisePrior;
 use super::slot::Slot;
 use super::unknown::Unknown;
 use crate::diagnose::diagnosis::Estimate;

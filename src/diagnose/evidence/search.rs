@@ -2,45 +2,15 @@
 
 use rayon::prelude::*;
 
-use super::discrepancy::{self, Discrepancy};
+use super::discrepancy;
 use super::joint::Tangents;
 use super::looks::moved;
 use super::measured::Measured;
 use super::posterior::Posterior;
 use super::probe::{self, Prepared, Probe, Probed, SIZES, SMALL};
+use super::set::{Set, best_of_each, evidence, of_size};
 use super::unknown::Unknown;
 use crate::model::Model;
-
-/// A hypothesis.
-#[derive(Debug, Clone)]
-pub(in crate::diagnose) struct Set {
-    /// Indices of the candidates, in the order of the model's effects.
-    pub members: Vec<usize>,
-    /// Its discrepancy.
-    pub discrepancy: Option<Discrepancy>,
-    pub posterior: Posterior,
-    /// Whether it was only looked at.
-    pub screened: bool,
-}
-
-impl Set {
-    /// Members, the discrepancy one of them.
-    pub fn size(&self) -> usize {
-        self.members.len() + usize::from(self.discrepancy.is_some())
-    }
-
-    /// Whether it is `set` as that stands, with a discrepancy or without.
-    pub fn is_of(&self, set: &Set) -> bool {
-        self.members == set.members && self.posterior.y == set.posterior.y
-    }
-
-    /// Whether it has these members, in any order, and no discrepancy.
-    pub fn has_just(&self, members: &[usize]) -> bool {
-        self.discrepancy.is_none()
-            && self.members.len() == members.len()
-            && members.iter().all(|m| self.members.contains(m))
-    }
-}
 
 /// What a line must promise (in nats) to be worth a fit where something is missing; where nothing is, the log evidence
 /// behind the best, and the fraction of a relevant change.
@@ -81,28 +51,18 @@ impl Search<'_, '_, '_> {
     pub fn run(&self, base: Posterior) -> Vec<Set> {
         let mut sets = vec![Set { members: Vec::new(), discrepancy: None, posterior: base, screened: false }];
         let mut doubts: Vec<Set> = Vec::new();
-        let mut stalled = false;
-        for size in 0..self.most {
-            let mut parents = of_size(&sets, size);
-            let Some(best) = parents.first().copied() else { break };
-            let (mut doubt, mut adequate) = self.judged(&sets[best]);
-            if !adequate && size > 0 {
-                if self.in_exchange(&mut sets, best) {
-                    for reformed in self.to_be_reformed(&sets, size, true) {
-                        self.in_other_forms(&mut sets, reformed, adequate);
-                    }
-                    let best = of_size(&sets, size)[0];
-                    (doubt, adequate) = self.judged(&sets[best]);
-                }
-                parents = of_size(&sets, size);
-            }
+        let (mut stalled, mut adequate) = (false, false);
+        for size in 0..=self.most {
+            let Some((doubt, lacks_nothing)) = self.arrived(&mut sets, size) else { break };
+            adequate = lacks_nothing;
             doubts.extend(doubt);
-            if !adequate && self.is_hopeless(&sets, size) {
+            if size == self.most || !adequate && self.is_hopeless(&sets, size) {
                 break;
             }
+            let mut parents = of_size(&sets, size);
             self.different(&sets, &mut parents);
             let closest = self.closest(parents.iter().map(|k| (*k, &sets[*k])));
-            parents.truncate(if adequate || size + 1 == self.most { 1 } else { PARENTS });
+            parents.truncate(if adequate || size == SEVERAL { 1 } else { PARENTS });
             parents.extend(closest.filter(|k| !adequate && !parents.contains(k)));
             let before = sets.iter().map(evidence).fold(f64::NEG_INFINITY, f64::max);
             let found = self.grown(&sets, &parents, adequate);
@@ -119,6 +79,9 @@ impl Search<'_, '_, '_> {
                 break;
             }
         }
+        if !adequate {
+            self.never_reformed(&sets).into_iter().for_each(|set| self.in_other_forms(&mut sets, set, false));
+        }
         doubts.extend(self.last_doubt(&sets, &doubts));
         self.repair(&mut sets, &doubts);
         self.told("likely sets of effects without one of them");
@@ -128,6 +91,23 @@ impl Search<'_, '_, '_> {
         self.doubt(&mut sets, doubts);
         self.told("likely sets of effects with a discrepancy");
         sets
+    }
+
+    /// The likeliest set of a size with a discrepancy, and whether it lacks nothing. What lacks something is sought with other
+    /// members in the place of its own before.
+    fn arrived(&self, sets: &mut Vec<Set>, size: usize) -> Option<(Option<Set>, bool)> {
+        let best = of_size(sets, size).first().copied()?;
+        let judged = self.judged(&sets[best]);
+        if judged.1 || size == 0 {
+            return Some(judged);
+        }
+        if self.in_exchange(sets, best) {
+            for reformed in self.to_be_reformed(sets, size, true) {
+                self.in_other_forms(sets, reformed, false);
+            }
+        }
+        let after = of_size(sets, size)[0];
+        Some(if after == best { judged } else { self.judged(&sets[after]) })
     }
 
     /// `set` with a discrepancy, and whether it lacks nothing.
@@ -170,7 +150,7 @@ impl Search<'_, '_, '_> {
 
     /// The sets of one more member, from `parents`; of those that lack nothing only what could be likelier. The best are
     /// fitted in full.
-    fn grown(&self, sets: &[Set], parents: &[usize], adequate: bool) -> Vec<Set> {
+    pub(super) fn grown(&self, sets: &[Set], parents: &[usize], adequate: bool) -> Vec<Set> {
         let from: Vec<Set> = parents.iter().map(|parent| sets[*parent].clone()).collect();
         // One effect alone is what is likeliest: none is passed over for what it does not promise.
         let thorough = !adequate && self.looks.is_some() && from.iter().any(|set| set.members.is_empty());
@@ -320,13 +300,6 @@ impl Search<'_, '_, '_> {
     }
 }
 
-/// Those of `sets` with so many members, the likeliest first.
-pub(super) fn of_size(sets: &[Set], size: usize) -> Vec<usize> {
-    let mut found: Vec<usize> = (0..sets.len()).filter(|k| sets[*k].members.len() == size).collect();
-    found.sort_by(|a, b| evidence(&sets[*b]).total_cmp(&evidence(&sets[*a])));
-    found
-}
-
 /// The first two of each candidate, another where it promises nearly as much.
 pub(super) fn promising(probes: Vec<Probe>) -> Vec<Probe> {
     let mut starts: Vec<Probe> = Vec::new();
@@ -344,33 +317,6 @@ pub(super) fn promising(probes: Vec<Probe>) -> Vec<Probe> {
 pub(super) fn is_adequate(data: &Measured, set: &Set, doubt: Option<&Set>) -> bool {
     let is_noise = || data.unexplained(&set.posterior.predictions) < data.assumptions().relevant;
     doubt.map_or_else(is_noise, |doubt| evidence(doubt) < evidence(set))
-}
-
-/// Adds `set`, or puts it in the place of one of the same members that was only looked at, or is less likely: what a look
-/// promises is no evidence against a whole fit.
-pub(super) fn keep(sets: &mut Vec<Set>, set: Set) {
-    let order = |a: &Set, b: &Set| b.screened.cmp(&a.screened).then(evidence(a).total_cmp(&evidence(b)));
-    match sets.iter_mut().find(|known| known.has_just(&set.members)) {
-        Some(known) if order(known, &set).is_lt() => *known = set,
-        Some(_) => {}
-        None => sets.push(set),
-    }
-}
-
-pub(super) fn rank(sets: &mut [Set]) {
-    sets.sort_by(|a, b| evidence(b).total_cmp(&evidence(a)));
-}
-
-/// The likeliest of those that have the same members, in the order of their evidence.
-pub(super) fn best_of_each(sets: impl Iterator<Item = Set>) -> Vec<Set> {
-    let mut found = Vec::new();
-    sets.for_each(|set| keep(&mut found, set));
-    rank(&mut found);
-    found
-}
-
-pub(in crate::diagnose) fn evidence(set: &Set) -> f64 {
-    set.posterior.log_evidence
 }
 
 #[cfg(test)]

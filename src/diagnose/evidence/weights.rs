@@ -3,7 +3,7 @@
 use super::discrepancy::Discrepancy;
 use super::measured::Measured;
 use super::probe::Prepared;
-use super::search::{Set, evidence};
+use super::set::{Set, evidence};
 
 /// Below this a weight decides nothing.
 const NEGLIGIBLE: f64 = 1e-4;

@@ -7,9 +7,8 @@ use super::discrepancy::{self, Discrepancy};
 use super::looks::moved;
 use super::posterior::{LOOK, Posterior, Start, fit, screen};
 use super::probe::{Probed, SIZES};
-use super::search::{
-    BEHIND, PARENTS, Search, Set, TWICE, best_of_each, evidence, keep, of_size, promising, rank,
-};
+use super::search::{BEHIND, PARENTS, Search, TWICE, promising};
+use super::set::{Set, best_of_each, evidence, keep, of_size, rank};
 use super::unknown::Unknown;
 use super::weights;
 use crate::model::Model;
@@ -213,6 +212,18 @@ impl Search<'_, '_, '_> {
         fitted.truncate(1);
         fitted.extend(closest);
         fitted
+    }
+
+    /// Single effects of other forms than those that are known: none of them alone shows how another would fit.
+    pub(super) fn never_reformed(&self, sets: &[Set]) -> Vec<usize> {
+        let is_known = |form: usize| sets.iter().any(|set| set.has_just(&[form]));
+        let other = |a: usize, b: usize| a != b && self.are_forms(a, b);
+        let never = |k: &usize| {
+            let member = sets[*k].members[0];
+            let mut others = (0..self.candidates.len()).filter(|form| other(*form, member)).peekable();
+            others.peek().is_some() && others.all(|form| !is_known(form))
+        };
+        of_size(sets, 1).into_iter().filter(never).collect()
     }
 
     /// Adds set `k` in all forms that its members have and that may be the likeliest; where all was `adequate` before its last

@@ -51,18 +51,35 @@ fn measured(random: &mut fastrand::Rng) -> (Model, Dataset) {
     (Model::parse(&given).unwrap(), dataset)
 }
 
+/// Candidates that are `id`, by laws of their own or by the model's.
+fn forms(search: &Search, id: &str, law: bool) -> Vec<usize> {
+    let is = |k: &usize| {
+        let candidate = &search.candidates[*k].candidate;
+        candidate.effect.id == id && candidate.law.is_some() == law
+    };
+    (0..search.candidates.len()).filter(is).collect()
+}
+
+#[test]
+fn a_single_effect_is_tried_in_other_forms_until_one_of_them_is_known() {
+    let truth = slider("[[effect]]\nid = \"asymmetry\"\nasymmetry = 0.1\n");
+    let dataset = pulled(&truth, 2.5e-5, 0.05, &mut fastrand::Rng::with_seed(7));
+    searched(&(slider(""), dataset), &["micro_slip", "asymmetry"], 1, |search, sets| {
+        let of = |members: Vec<usize>| Set { members, ..sets[0].clone() };
+        let (slips, others) = (forms(search, "micro_slip", false), forms(search, "micro_slip", true));
+        let mut sets = vec![of(Vec::new()), of(forms(search, "asymmetry", false)), of(slips)];
+        assert_eq!(search.never_reformed(&sets), [2]);
+        sets.push(of(vec![others[0]]));
+        assert!(search.never_reformed(&sets).is_empty());
+    });
+}
+
 #[test]
 fn the_closest_set_is_tried_in_other_forms_too() {
     let truth = slider("[[effect]]\nid = \"micro_slip\"\nspread = 0.8\n");
     let dataset = pulled(&truth, 2.5e-5, 0.05, &mut fastrand::Rng::with_seed(6));
     searched(&(slider(""), dataset), &["micro_slip", "asymmetry"], 1, |search, sets| {
-        let of = |id: &str, law: bool| {
-            let is = |k: &usize| {
-                let candidate = &search.candidates[*k].candidate;
-                candidate.effect.id == id && candidate.law.is_some() == law
-            };
-            (0..search.candidates.len()).filter(is).collect::<Vec<usize>>()
-        };
+        let of = |id: &str, law: bool| forms(search, id, law);
         let (own, others) = (of("micro_slip", false), of("micro_slip", true));
         let truth = sets.iter().find(|set| set.has_just(&own) && !set.screened).unwrap();
         let mut other = search.in_forms(&sets[0], truth, 0, &others).swap_remove(0);
@@ -190,8 +207,9 @@ fn what_explains_a_part_leads_to_what_explains_more() {
     let only = ["residual_stiffness", "asymmetry", "contact_damping", "wear"];
     for _ in 0..4 {
         searched(&measured(&mut random), &only, 1, |search, sets| {
-            let sane = sets.into_iter().filter(|set| set.discrepancy.is_none());
-            let (empty, mut alone): (Vec<Set>, Vec<Set>) = sane.partition(|set| set.members.is_empty());
+            let empty = vec![sets[0].clone()];
+            let mut alone = search.grown(&empty, &[0], false);
+            alone.iter_mut().for_each(|set| search.finish(set));
             rank(&mut alone);
             // Without the best of them: from the next it is found again.
             let mut sets = vec![empty[0].clone(), alone[1].clone()];
