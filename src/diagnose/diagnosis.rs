@@ -103,6 +103,22 @@ impl Verdict {
 }
 
 impl Diagnosis {
+    /// Whether nothing explains the data and `most` effects together were tried where there are more: more may explain them.
+    ///
+    /// ```
+    /// use stickslip::diagnose::{Diagnosis, DiagnoseOptions};
+    /// fn go_on(found: &Diagnosis, options: &DiagnoseOptions) -> Option<usize> {
+    ///     found.may_lack_more_than(options.max_effects).then_some(options.max_effects + 1)
+    /// }
+    /// ```
+    pub fn may_lack_more_than(&self, most: usize) -> bool {
+        let mut tried: Vec<_> = self.candidates.iter().map(|one| (&one.effects, &one.location)).collect();
+        tried.sort_unstable();
+        tried.dedup();
+        let reached = most > 0 && self.surrogates.len() >= most;
+        self.verdict == Verdict::Unexplained && reached && tried.len() > most
+    }
+
     /// The exit code of `stickslip diagnose`.
     pub fn exit_code(&self) -> u8 {
         match self.verdict {
@@ -290,6 +306,6 @@ pub struct Cost {
     pub simulations: usize,
     /// Samples of all records.
     pub samples: usize,
-    /// Those that fits were made to: fewer where records are long.
+    /// Those that effects were weighed by: fewer where records are long. The numbers found are those of all.
     pub fitted_samples: usize,
 }

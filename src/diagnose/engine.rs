@@ -22,8 +22,8 @@ use crate::fit::compare::{RefitError, Stage};
 use crate::fit::{FitError, InterruptHook};
 use crate::model::Model;
 
-/// Effects together of which it was shown how often they are named where they are not missing.
-const VALIDATED: usize = 2;
+/// Effects that are added at most unless asked: more take several times as long, and stand for some of what none of them is.
+const MOST: usize = 2;
 
 /// What a diagnosis tries.
 ///
@@ -38,7 +38,7 @@ const VALIDATED: usize = 2;
 pub struct DiagnoseOptions {
     /// Ids of the only effects to try; `None` for the whole catalogue.
     pub effects: Option<Vec<String>>,
-    /// Effects that may be added at most. Three together imitate much that is none of them.
+    /// Effects that may be added at most.
     pub max_effects: usize,
     /// What is taken for granted.
     pub assumptions: Assumptions,
@@ -46,7 +46,7 @@ pub struct DiagnoseOptions {
 
 impl Default for DiagnoseOptions {
     fn default() -> Self {
-        Self { effects: None, max_effects: VALIDATED, assumptions: Assumptions::default() }
+        Self { effects: None, max_effects: MOST, assumptions: Assumptions::default() }
     }
 }
 
@@ -164,41 +164,42 @@ fn diagnosis(
     let test = Measured::new(&bench, &parts.test, &measured, &through);
     let all = Measured::new(&bench, &parts.all(), &measured, &through);
     let decision = Decision::of(&context, &weighed).confirmed(&context, &weighed, &test, &all);
-    let whole = thinned.is_some().then(|| prepared(model, dataset, options.assumptions, watch.interrupt));
-    let whole = whole.transpose()?.map(|(whole, _)| whole);
+    // Of a model that lacks something, and of nothing else, all samples tell no more than those that the search saw.
+    let is_base = weighed.weights[0] < 1.0 - options.assumptions.certain;
+    let refits = thinned.is_some() && !bench.interrupted() && !(decision.best == 0 && is_base);
+    let whole = refits.then(|| WeightedDataset::new(model, dataset, options.assumptions, watch.interrupt));
+    let whole = whole.transpose().map_err(|(record, reason)| RefitError::Unpredictable { record, reason })?;
     let not_allowed = assured(&mut weighed, decision.best, &training, &bench, whole.as_ref());
     if !bench.interrupted() {
         progress.tell("the parameters told, from other starts and in finer steps");
     }
-    if weighed.weights[0] < 1.0 - options.assumptions.certain {
+    if is_base {
         weighed.refitted_as(first, &data);
     }
+    let told = weighed.sets[decision.best].members.len();
     let mut diagnosis =
         verdict::of(&context, &weighed, decision, [&test, &all], (baseline, measured, untried));
-    let of_options = limits(options, &diagnosis);
+    let of_options = limits(options, &diagnosis, told);
     diagnosis.reasons.extend(split::copies(dataset));
     diagnosis.reasons.extend(lost.into_iter().chain(not_allowed).chain(of_options));
     Ok(diagnosis)
 }
 
-/// What the options have to do with the answer.
-fn limits(options: &DiagnoseOptions, diagnosis: &Diagnosis) -> Vec<String> {
+/// What the options have to do with the answer, in which so many effects are `told`.
+fn limits(options: &DiagnoseOptions, diagnosis: &Diagnosis, told: usize) -> Vec<String> {
     let mut limits = Vec::new();
     if let Some(only) = &options.effects {
         let only = only.join(", ");
         limits.push(format!("only {only} was tried: the result says nothing of the other effects"));
     }
-    let (most, reached) = (options.max_effects, diagnosis.surrogates.len());
+    let most = options.max_effects;
     if most == 0 {
         limits.push("no effect may be added (--max-effects 0)".to_owned());
-    } else if diagnosis.verdict == Verdict::Unexplained && reached >= most {
-        let more = most + 1;
-        limits.push(format!("more than {most} together were not tried (--max-effects {more})"));
+    } else if diagnosis.may_lack_more_than(most) {
+        limits.push(format!("more than {most} together were not tried (--max-effects {})", most + 1));
     }
-    if diagnosis.effects.len() > VALIDATED {
-        limits.push(format!(
-            "sets of more than {VALIDATED} effects fit much that they did not cause: the probability does not know of that"
-        ));
+    if told > MOST {
+        limits.push(format!("more than {MOST} effects together fit some of what they did not cause"));
     }
     limits
 }
@@ -290,8 +291,9 @@ fn assured(
     let data = training.of(bench);
     let Some(whole) = whole else { return weighed.assure(decided, &data, None) };
     let through = inputs::through(&weighed.sets[decided].posterior.model, whole);
-    let whole = Fitted { through: &through, ..*training }.of(whole);
-    weighed.assure(decided, &data, Some(&whole))
+    let reason = weighed.assure(decided, &data, Some(&Fitted { through: &through, ..*training }.of(whole)));
+    bench.add_spent(whole);
+    reason
 }
 
 /// What `answer` says of the question that `bench` poses, with first looks and beginnings of the same records.

@@ -177,47 +177,6 @@ impl<'a, 'd> Measured<'a, 'd> {
         (sum / f64::max(count, 1.0)).sqrt()
     }
 
-    /// How many times as much as noise, told by what `heard` left of other records, `predictions` leave of a channel at most. Noise has
-    /// one size in all records or is one fraction of each: whichever of the two differs less from record to record.
-    pub fn louder(&self, predictions: &[Vec<f64>], heard: (&Self, &[Vec<f64>])) -> f64 {
-        let mut known: Vec<[Vec<f64>; 2]> = vec![Default::default(); self.processes];
-        for (channel, size) in heard.0.sizes_left(heard.1) {
-            let [sizes, fractions] = &mut known[channel.process];
-            sizes.push(size);
-            fractions.push(size / channel.size);
-        }
-        let ends = |of: &[f64]| {
-            of.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(*x), high.max(*x)))
-        };
-        let largest: Vec<[f64; 2]> = known
-            .iter()
-            .map(|known| {
-                let [sizes, fractions] = known.each_ref().map(|of| ends(of));
-                let is_one_size = sizes.1 / sizes.0 < fractions.1 / fractions.0;
-                if is_one_size { [sizes.1, 0.0] } else { [0.0, fractions.1] }
-            })
-            .collect();
-        let times = |(channel, size): (&MeasuredChannel, f64)| {
-            let [absolute, fraction] = largest[channel.process];
-            size / absolute.max(fraction.max(self.assumptions().relevant) * channel.size)
-        };
-        self.sizes_left(predictions).map(times).fold(0.0, f64::max)
-    }
-
-    /// Every channel of every record, and the root mean square of what `predictions` leave of it.
-    fn sizes_left(&self, predictions: &[Vec<f64>]) -> impl Iterator<Item = (&MeasuredChannel, f64)> {
-        let of_record = |(channels, left): (&'_ Vec<MeasuredChannel>, Vec<f64>)| {
-            let size = |channel: &MeasuredChannel| {
-                let left = &left[channel.range.clone()];
-                (left.iter().map(|x| x * x).sum::<f64>() / left.len() as f64).sqrt()
-            };
-            channels.iter().map(size).collect::<Vec<f64>>()
-        };
-        let sizes: Vec<f64> =
-            self.channels.iter().zip(self.residuals(predictions)).flat_map(of_record).collect();
-        self.channels.iter().flatten().zip(sizes)
-    }
-
     /// How much of the residual of `predictions` is more than noise, as a fraction of the channels: what is beyond a noise that is
     /// known; of an unknown one what follows from its own past, all of it where few values, or a size that noise hardly has, tell
     /// nothing of that.
@@ -364,37 +323,6 @@ mod tests {
     use crate::diagnose::evidence::samples::slider;
 
     const COUNT: usize = 1000;
-
-    #[test]
-    fn records_are_as_loud_as_others_of_one_size_or_of_one_fraction() {
-        let model = slider("");
-        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
-        let values = |of: &dyn Fn(f64) -> f64| (0..COUNT).map(|i| of(i as f64)).collect::<Vec<f64>>();
-        let levels = [1.0, 3.0, 9.0, 1.0, 9.0];
-        let record = |level: &f64| {
-            let channels = vec![
-                channel("time", "s", values(&|i| 1e-3 * i)),
-                channel("displacement", "m", values(&|i| 1e-6 * (0.1 * i).sin())),
-                channel("force", "N", values(&|i| level * (0.1 * i).sin())),
-            ];
-            Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels }
-        };
-        let dataset = Dataset { title: None, records: levels.iter().map(record).collect() };
-        let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
-        let [heard, tested] = [&[0, 1, 2][..], &[3, 4]].map(|of| Measured::new(&bench, of, &[], &[]));
-        let off = |data: &Measured, by: &[f64]| -> Vec<Vec<f64>> {
-            let one = |(k, by): (usize, &f64)| data.lane(k).measured.iter().map(|f| f + by).collect();
-            by.iter().enumerate().map(one).collect()
-        };
-        let louder =
-            |known: [f64; 3], by: [f64; 2]| tested.louder(&off(&tested, &by), (&heard, &off(&heard, &known)));
-        // Of one size, and of one fraction of the channel.
-        assert!((louder([0.2, 0.19, 0.2], [0.2, 0.8]) - 4.0).abs() < 0.01);
-        assert!((louder([0.2, 0.6, 1.7], [0.8, 1.8]) - 4.0).abs() < 0.01);
-        assert!((louder([0.2, 0.6, 1.7], [0.2, 1.8]) - 1.0).abs() < 0.01);
-        // What is irrelevant is no noise to be compared with.
-        assert!(louder([1e-6, 1e-6, 1e-6], [1e-4, 1e-4]) < 0.1);
-    }
 
     #[test]
     fn of_white_noise_nothing_is_foretold_and_of_a_wave_all() {

@@ -62,7 +62,7 @@ impl Search<'_, '_, '_> {
             let mut parents = of_size(&sets, size);
             self.different(&sets, &mut parents);
             let closest = self.closest(parents.iter().map(|k| (*k, &sets[*k])));
-            parents.truncate(if adequate || size == SEVERAL { 1 } else { PARENTS });
+            parents.truncate(if adequate || size >= SEVERAL { 1 } else { PARENTS });
             parents.extend(closest.filter(|k| !adequate && !parents.contains(k)));
             let before = sets.iter().map(evidence).fold(f64::NEG_INFINITY, f64::max);
             let found = self.grown(&sets, &parents, adequate);
@@ -79,7 +79,7 @@ impl Search<'_, '_, '_> {
                 break;
             }
         }
-        if !adequate {
+        if !adequate && !self.data.bench.interrupted() {
             self.never_reformed(&sets).into_iter().for_each(|set| self.in_other_forms(&mut sets, set, false));
         }
         doubts.extend(self.last_doubt(&sets, &doubts));

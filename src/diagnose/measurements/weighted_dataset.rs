@@ -128,6 +128,13 @@ impl<'d> WeightedDataset<'d> {
         self.refits.fetch_add(1, Ordering::Relaxed);
     }
 
+    /// Counts what was spent on `other`, too.
+    pub fn add_spent(&self, other: &Self) {
+        let (refits, simulations) = other.spent();
+        self.refits.fetch_add(refits, Ordering::Relaxed);
+        self.count(simulations);
+    }
+
     /// Refits so far, and simulations of single records.
     pub fn spent(&self) -> (usize, usize) {
         (self.refits.load(Ordering::Relaxed), self.simulations.load(Ordering::Relaxed))

@@ -137,8 +137,7 @@ impl Decision {
     }
 
     /// Whether all records together show what is missing: something relevant that remains when the best set is fitted to
-    /// them, or anything at all that remains where the test records were foretold relevantly wrong: by another order of magnitude
-    /// than the training records show, where the noise is unknown.
+    /// them, or anything at all that remains where the test records were foretold relevantly wrong.
     fn is_contradicted(
         &self,
         context: &Context,
@@ -153,13 +152,11 @@ impl Decision {
         if doubt.is_some_and(|doubt| doubt > against) {
             return Ok(true);
         }
+        if !all.noise_is_known() {
+            return Ok(false);
+        }
         let foretold = context.bench.score(&best.model, &test.records).map_err(|error| error.to_string())?;
         let foretold: Vec<Vec<f64>> = foretold.into_iter().map(|one| one.predictions).collect();
-        if !all.noise_is_known() {
-            // Of a noise of which nothing is known beforehand the training records tell the order of magnitude.
-            let times = test.louder(&foretold, (context.data, &best.predictions));
-            return Ok(times > context.data.assumptions().magnitude.exp());
-        }
         // Where nothing can be fitted to all of them, what was foretold is all there is.
         let left = match again {
             Ok(again) => evidence::beyond_noise(all, &again.predictions),

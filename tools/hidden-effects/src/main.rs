@@ -176,7 +176,7 @@ fn given(arguments: &Arguments, data: &Path) -> Result<Vec<Task>, String> {
 fn score(arguments: &Arguments, tasks: &[Task], set: &str) -> Result<(), String> {
     let plan = Plan {
         program: arguments.program.clone(),
-        results: arguments.out.join(set),
+        results: arguments.out.join(if arguments.three { format!("{set}-three") } else { set.to_owned() }),
         jobs: arguments.jobs,
         fresh: arguments.fresh,
         resume: arguments.resume,

@@ -29,18 +29,19 @@ pub(super) fn assure(
 ) -> (Agreement, Option<String>) {
     let (found, agreement) = agreement::agreement(data, posterior);
     *posterior = found;
-    if let Some(whole) = whole
-        && let Err(reason) = refit(whole, posterior)
-    {
-        let reason = format!("the numbers are those of the samples that the search saw alone: {reason}");
-        return (agreement, (!data.bench.interrupted()).then_some(reason));
-    }
-    let data = whole.unwrap_or(data);
+    let (data, not_refitted) = match whole.map(|whole| (whole, refit(whole, posterior))) {
+        Some((whole, Ok(()))) => (whole, None),
+        Some((_, Err(reason))) => {
+            (data, Some(format!("the numbers are those of the samples that the search saw alone: {reason}")))
+        }
+        None => (data, None),
+    };
     let (followed, told) = profile::follow(data, posterior);
     if let Ok(refined) = refined::refined(data, posterior, followed) {
         *posterior = refined;
     }
-    (agreement, reason(data, [told, driven::allow_for_inputs(data, posterior).err()]))
+    let not_allowed = driven::allow_for_inputs(data, posterior).err();
+    (agreement, reason(data, [not_refitted, told, not_allowed]))
 }
 
 /// Moves the numbers of `posterior` to where they fit other samples than before best; all sets stay compared by those.
@@ -59,10 +60,10 @@ pub(in crate::diagnose) fn intervals(data: &Measured, posterior: &mut Posterior)
 
 /// Has them allow for the noise of the inputs alone, as those of a model that lacks something: its likelihood says little.
 pub(super) fn allow_for_inputs(data: &Measured, posterior: &mut Posterior) -> Option<String> {
-    reason(data, [None, driven::allow_for_inputs(data, posterior).err()])
+    reason(data, [driven::allow_for_inputs(data, posterior).err()])
 }
 
-fn reason(data: &Measured, of: [Option<String>; 2]) -> Option<String> {
+fn reason<const N: usize>(data: &Measured, of: [Option<String>; N]) -> Option<String> {
     let told: Vec<String> = of.into_iter().flatten().collect();
     (!told.is_empty() && !data.bench.interrupted()).then(|| told.join("; "))
 }

@@ -1,7 +1,9 @@
 //! A diagnosis in sentences for an engineer.
 
 use stickslip::data::Use;
-use stickslip::diagnose::{Candidate, Diagnosis, Estimate, NoiseSource, Skipped, Untried, Verdict};
+use stickslip::diagnose::{
+    Candidate, DiagnoseOptions, Diagnosis, Estimate, NoiseSource, Skipped, Untried, Verdict,
+};
 use stickslip::effects::{self, Effect};
 
 use super::Run;
@@ -217,11 +219,17 @@ pub fn next_steps(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
         Verdict::NotDistinguishable => {
             steps.extend(diagnosis.groups.iter().map(|group| group.experiment.clone()));
         }
-        Verdict::Unexplained => steps.push(
-            "Look at the shapes of the residual (section “Residual”): they are the best indication of a cause that is not in \
-             the catalogue."
-                .to_owned(),
-        ),
+        Verdict::Unexplained => {
+            steps.push(
+                "Look at the shapes of the residual (section “Residual”): they are the best indication of a cause that is not \
+                 in the catalogue."
+                    .to_owned(),
+            );
+            let most = run.options.max_effects;
+            if diagnosis.may_lack_more_than(most) {
+                steps.push(format!("Try more effects at once: `{}`", diagnose(run, most + 1)));
+            }
+        }
         Verdict::NothingMissing | Verdict::InsufficientData => {}
     }
     if let Some(experiment) = &diagnosis.next_experiment
@@ -242,15 +250,34 @@ fn add(diagnosis: &Diagnosis, run: &Run) -> String {
             "The model with the effects found is in {path}; `stickslip export {path} -o X.fmu` makes an FMU of it."
         );
     }
-    let (model, data) = (quoted(&run.model), quoted(&run.dataset));
     match (&diagnosis.effects[..], diagnosis.candidates.iter().find(|one| one.effects == diagnosis.effects)) {
         ([id], candidate) => {
             let place = candidate.and_then(|one| one.location.as_ref());
             let place = place.map(|place| format!("@{place}")).unwrap_or_default();
+            let (model, data) = (quoted(&run.model), quoted(&run.dataset));
             format!("Add it: `stickslip add {model} {id}{place} --fit {data} -o NEW.toml`")
         }
-        _ => format!("Write the model with them: `stickslip diagnose {model} {data} -o NEW.toml`"),
+        _ => format!("Write the model with them: `{} -o NEW.toml`", diagnose(run, run.options.max_effects)),
     }
+}
+
+/// The command that makes the diagnosis, with so many effects at most.
+fn diagnose(run: &Run, most: usize) -> String {
+    let DiagnoseOptions { effects, assumptions, .. } = &run.options;
+    let usual = DiagnoseOptions::default();
+    let mut command = format!("stickslip diagnose {} {}", quoted(&run.model), quoted(&run.dataset));
+    if let Some(only) = effects {
+        command += &format!(" --effects {}", only.join(","));
+    }
+    if most != usual.max_effects {
+        command += &format!(" --max-effects {most}");
+    }
+    for ((name, value), (_, usual)) in assumptions.named().into_iter().zip(usual.assumptions.named()) {
+        if value != usual {
+            command += &format!(" --assume {name}={value}");
+        }
+    }
+    command
 }
 
 fn quoted(path: &str) -> String {
@@ -270,8 +297,8 @@ pub fn warnings(diagnosis: &Diagnosis, run: &Run) -> Vec<String> {
     let (samples, fitted) = (diagnosis.cost.samples, diagnosis.cost.fitted_samples);
     if fitted < samples {
         all.push(format!(
-            "Effects were weighed by {fitted} of {samples} samples, between which the motion is straight. The numbers and errors \
-             are those of all."
+            "Effects were weighed by {fitted} of {samples} samples, between which the motion is straight. The numbers of what was \
+             found are those of all."
         ));
     }
     if !diagnosis.surrogates.is_empty() && diagnosis.verdict == Verdict::Unexplained {

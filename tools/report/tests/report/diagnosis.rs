@@ -1,7 +1,9 @@
 //! What page, text and JSON of a diagnosis promise, whatever was found.
 
 use serde_json::Value;
-use stickslip::diagnose::{Candidate, Cost, Diagnosis, Errors, Estimate, Untried, Verdict};
+use stickslip::diagnose::{
+    Assumptions, Candidate, Cost, DiagnoseOptions, Diagnosis, Errors, Estimate, Untried, Verdict,
+};
 use stickslip_report::diagnosis::{Run, diagnosis_html, diagnosis_json, diagnosis_table};
 
 use crate::synthetic::diagnosis::{found, group, insufficient, large, nothing, run, unexplained};
@@ -103,6 +105,31 @@ fn fits_to_fewer_samples_are_said_before_the_next_step() {
         let text = diagnosis_table(&diagnosis, &run(), 400, false);
         assert_eq!(text.split("Next").next().unwrap().contains("weighed by 800 of 9600 samples"), said);
         assert_eq!(json(&diagnosis)["cost"]["fitted_samples"], fitted_samples);
+    }
+}
+
+#[test]
+fn commands_to_go_on_ask_what_was_asked() {
+    let options = DiagnoseOptions {
+        effects: Some(vec!["backlash".into(), "wear".into(), "asymmetry".into()]),
+        max_effects: 3,
+        assumptions: Assumptions::default().with("odds", 0.25).unwrap(),
+    };
+    let asked = Run { options, ..run() };
+    let (two, pair) = (vec!["backlash", "wear"], found());
+    let pair = Diagnosis { effects: two.clone(), candidates: Vec::new(), ..pair };
+    let text = diagnosis_table(&pair, &asked, 400, false);
+    let command = "stickslip diagnose model.toml data --effects backlash,wear,asymmetry --max-effects 3 --assume odds=0.25 -o NEW";
+    assert!(text.contains(command), "{text}");
+    // Where so many as may be tried do not explain all, more may.
+    let candidate = |id: &'static str| Candidate { effects: vec![id], ..found().candidates[0].clone() };
+    for (most, others, more) in [(2, true, true), (3, true, false), (2, false, false)] {
+        let options = DiagnoseOptions { max_effects: most, ..run().options };
+        let third = others.then_some("asymmetry");
+        let candidates = two.iter().copied().chain(third).map(candidate).collect();
+        let diagnosis = Diagnosis { surrogates: two.clone(), candidates, ..unexplained() };
+        let text = diagnosis_table(&diagnosis, &Run { options, ..run() }, 400, false);
+        assert_eq!(text.contains("`stickslip diagnose model.toml data --max-effects 3`"), more, "{text}");
     }
 }
 
