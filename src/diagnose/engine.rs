@@ -164,12 +164,13 @@ fn diagnosis(
     let test = Measured::new(&bench, &parts.test, &measured, &through);
     let all = Measured::new(&bench, &parts.all(), &measured, &through);
     let decision = Decision::of(&context, &weighed).confirmed(&context, &weighed, &test, &all);
-    // Of a model that lacks something, and of nothing else, all samples tell no more than those that the search saw.
     let is_base = weighed.weights[0] < 1.0 - options.assumptions.certain;
-    let refits = thinned.is_some() && !bench.interrupted() && !(decision.best == 0 && is_base);
-    let whole = refits.then(|| WeightedDataset::new(model, dataset, options.assumptions, watch.interrupt));
-    let whole = whole.transpose().map_err(|(record, reason)| RefitError::Unpredictable { record, reason })?;
-    let not_allowed = assured(&mut weighed, decision.best, &training, &bench, whole.as_ref());
+    let not_allowed = if decision.verdict == Verdict::Unexplained || (decision.best == 0 && is_base) {
+        weighed.allow_for_inputs(decision.best, &data)
+    } else {
+        let every = thinned.is_some().then_some(dataset);
+        assured(&mut weighed, decision.best, model, &training, &bench, every)?
+    };
     if !bench.interrupted() {
         progress.tell("the parameters told, from other starts and in finer steps");
     }
@@ -279,21 +280,26 @@ impl Fitted<'_> {
     }
 }
 
-/// Makes sure of the numbers of the set that was `decided` for, by all samples where those of `bench` are not the `whole`; why they
-/// do not hold, if they do not.
-fn assured(
+/// Makes sure of the numbers of the set that was `decided` for, by `every` sample where those of `bench` are not all; why they do
+/// not hold, if they do not.
+fn assured<'d>(
     weighed: &mut Weighed,
     decided: usize,
+    model: &Model,
     training: &Fitted,
-    bench: &WeightedDataset,
-    whole: Option<&WeightedDataset>,
-) -> Option<String> {
+    bench: &WeightedDataset<'d>,
+    every: Option<&'d Dataset>,
+) -> Result<Option<String>, DiagnoseError> {
     let data = training.of(bench);
-    let Some(whole) = whole else { return weighed.assure(decided, &data, None) };
-    let through = inputs::through(&weighed.sets[decided].posterior.model, whole);
-    let reason = weighed.assure(decided, &data, Some(&Fitted { through: &through, ..*training }.of(whole)));
-    bench.add_spent(whole);
-    reason
+    let Some(every) = every.filter(|_| !bench.interrupted()) else {
+        return Ok(weighed.assure(decided, &data, None));
+    };
+    let whole = bench.of_samples(model, every);
+    let whole = whole.map_err(|(record, reason)| RefitError::Unpredictable { record, reason })?;
+    let through = inputs::through(&weighed.sets[decided].posterior.model, &whole);
+    let reason = weighed.assure(decided, &data, Some(&Fitted { through: &through, ..*training }.of(&whole)));
+    bench.add_spent(&whole);
+    Ok(reason)
 }
 
 /// What `answer` says of the question that `bench` poses, with first looks and beginnings of the same records.

@@ -66,3 +66,19 @@ fn two_effects_are_found_of_which_neither_alone_looks_likelier_than_none() {
         assert!(error.refitted < error.baseline && error.last < 1.1 * NOISE, "case {case}: {error:?}");
     }
 }
+
+#[test]
+fn where_fewer_than_are_missing_may_be_added_more_are_pointed_to() {
+    let (model, dataset) = measured(&mut fastrand::Rng::with_seed(5));
+    let options = DiagnoseOptions { max_effects: 1, ..DiagnoseOptions::default() };
+    let found = diagnose(&model, &dataset, &options, DiagnoseWatch::default()).unwrap();
+    assert_eq!(found.verdict, Verdict::Unexplained, "{:#?}", found.reasons);
+    assert_eq!((found.surrogates.len(), found.may_lack_more_than(1)), (1, true));
+    assert!(found.reasons.iter().any(|reason| reason.ends_with("(--max-effects 2)")), "{:#?}", found.reasons);
+    // There is no second one to try.
+    let options = DiagnoseOptions { effects: Some(vec!["micro_slip".into()]), ..options };
+    let found = diagnose(&model, &dataset, &options, DiagnoseWatch::default()).unwrap();
+    assert!(
+        !found.may_lack_more_than(1) && found.reasons.iter().all(|reason| !reason.contains("--max-effects"))
+    );
+}

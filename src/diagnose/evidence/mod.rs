@@ -87,6 +87,15 @@ impl Weighed {
         reason
     }
 
+    /// Has the numbers of the set that was `decided` for allow for the noise of the inputs alone; why they do not, if so. Of a model
+    /// that lacks something the likelihood says little.
+    pub fn allow_for_inputs(&mut self, decided: usize, data: &Measured) -> Option<String> {
+        if data.bench.interrupted() {
+            return None;
+        }
+        numbers::allow_for_inputs(data, &mut self.sets[decided].posterior)
+    }
+
     /// Whether all members of set `k` have a size, by intervals that hold.
     pub fn is_determined(&self, k: usize, data: &Measured) -> bool {
         let Set { posterior, members, .. } = &self.sets[k];

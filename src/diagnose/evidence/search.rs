@@ -94,14 +94,18 @@ impl Search<'_, '_, '_> {
     }
 
     /// The likeliest set of a size with a discrepancy, and whether it lacks nothing. What lacks something is sought with other
-    /// members in the place of its own before.
+    /// members in the place of its own before, and what does not with others in the place of those that bring several numbers.
     fn arrived(&self, sets: &mut Vec<Set>, size: usize) -> Option<(Option<Set>, bool)> {
         let best = of_size(sets, size).first().copied()?;
         let judged = self.judged(&sets[best]);
-        if judged.1 || size == 0 {
+        let adequate = judged.1;
+        // Of one effect alone all others were looked at.
+        if size == 0 || adequate && size == 1 {
             return Some(judged);
         }
-        if self.in_exchange(sets, best) {
+        if adequate {
+            self.in_simpler_exchange(sets, best);
+        } else if self.in_exchange(sets, best) {
             for reformed in self.to_be_reformed(sets, size, true) {
                 self.in_other_forms(sets, reformed, false);
             }

@@ -75,6 +75,14 @@ impl<'d> WeightedDataset<'d> {
         })
     }
 
+    /// The same of other samples of these records.
+    ///
+    /// # Errors
+    /// As [`WeightedDataset::new`].
+    pub fn of_samples(&self, model: &Model, dataset: &'d Dataset) -> Result<Self, (String, String)> {
+        Self::new(model, dataset, self.assumptions, self.interrupt)
+    }
+
     /// Makes the solutions under `model`, where there are any, the start of all simulations: of records those that are
     /// `known`.
     pub fn reseed(&mut self, model: &Model, known: Vec<(usize, Seed)>) {

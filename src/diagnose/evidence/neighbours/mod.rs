@@ -251,11 +251,30 @@ impl Search<'_, '_, '_> {
     /// what explains a part leads to where a fit of another that explains all would not come by itself.
     /// Gives whether one of them is likelier.
     pub(super) fn in_exchange(&self, sets: &mut Vec<Set>, best: usize) -> bool {
+        self.in_exchange_of(sets, best, false, |_| true)
+    }
+
+    /// Adds the same of `best`, which lacks nothing, in the place of members that bring several numbers: what brings fewer may
+    /// explain as much.
+    pub(super) fn in_simpler_exchange(&self, sets: &mut Vec<Set>, best: usize) {
+        self.in_exchange_of(sets, best, true, |member| self.candidates[member].coordinates.len() > 1);
+    }
+
+    /// The same in the place of those members that are `wanted`; where `best` is `adequate` those that may be the likeliest alone.
+    fn in_exchange_of(
+        &self,
+        sets: &mut Vec<Set>,
+        best: usize,
+        adequate: bool,
+        wanted: impl Fn(usize) -> bool,
+    ) -> bool {
         let before = evidence(&sets[best]);
         let exchanged = |place: usize| self.exchanged(&sets[0], &sets[best], place);
-        let mut found: Vec<Set> = (0..sets[best].members.len()).flat_map(exchanged).collect();
+        let members = &sets[best].members;
+        let places = (0..members.len()).filter(|place| wanted(members[*place]));
+        let mut found: Vec<Set> = places.flat_map(exchanged).collect();
         rank(&mut found);
-        self.finish_best(&mut found, sets, false);
+        self.finish_best(&mut found, sets, adequate);
         found.retain(|set| !set.screened);
         let likelier = found.iter().any(|set| evidence(set) > before);
         found.into_iter().for_each(|set| keep(sets, set));

@@ -11,7 +11,7 @@ use crate::cases::case::{Case, Drawn};
 use crate::records::record::{Column, Record};
 
 /// Changes when the same name no longer gives the same case: files of another generation are left alone.
-pub const GENERATION: u32 = 8;
+pub const GENERATION: u32 = 9;
 
 /// Folder of a case under `root`.
 pub fn folder(root: &Path, case: &Case) -> PathBuf {

@@ -89,7 +89,8 @@ fn in_catalogue(
             vec![("half_gap", joint.half_gap)]
         }
         "stiffening" => {
-            let sign = if random.unit() < 0.25 { -0.5 } else { 1.0 };
+            // A softening spring behind a gap has no single answer where it outweighs the sliders.
+            let sign = if random.unit() < 0.25 && joint.half_gap == 0.0 { -0.5 } else { 1.0 };
             let force = strength * sign * random.between(0.4, 0.8) * measures.limit;
             joint.cubic_stiffness = force / at_reach.powi(3);
             vec![("cubic_stiffness", joint.cubic_stiffness)]
