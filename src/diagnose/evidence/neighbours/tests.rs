@@ -222,6 +222,28 @@ fn what_explains_a_part_leads_to_what_explains_more() {
 }
 
 #[test]
+fn what_brings_several_numbers_is_tried_in_other_places_than_its_own_alone() {
+    let only = ["residual_stiffness", "asymmetry", "velocity_weakening"];
+    searched(&measured(&mut fastrand::Rng::with_seed(5)), &only, 1, |search, sets| {
+        let of = |id: &str| forms(search, id, false)[0];
+        let [spring, limit, two] = only.map(of);
+        assert!(
+            search.candidates[two].coordinates.len() == 2 && search.candidates[limit].coordinates.len() == 1
+        );
+        let alone = sets.iter().find(|set| set.has_just(&[limit])).unwrap();
+        let (model, unknowns, y) = search.extended(&alone.posterior, two, &[0.1, 0.0]);
+        let start = Start { model: &model, unknowns: &unknowns, y: &y };
+        let posterior = screen(search.data, &start, LOOK).unwrap();
+        let both = Set { members: vec![limit, two], discrepancy: None, posterior, screened: true };
+        let mut sets = vec![sets[0].clone(), both];
+        search.in_simpler_exchange(&mut sets, 1);
+        let is = |members: &[usize]| sets.iter().any(|set| set.has_just(members) && !set.screened);
+        assert!(is(&[limit, spring]) && !is(&[spring, two]) && sets.len() == 3);
+        assert!(evidence(&sets[2]) > evidence(&sets[1]));
+    });
+}
+
+#[test]
 fn sets_that_are_far_less_likely_than_with_a_discrepancy_are_not_gone_into() {
     let measured = measured(&mut fastrand::Rng::with_seed(2));
     searched(&measured, &["residual_stiffness", "asymmetry"], 2, |search, mut sets| {
