@@ -111,7 +111,8 @@ impl Search<'_, '_, '_> {
             }
         }
         let after = of_size(sets, size)[0];
-        Some(if after == best { judged } else { self.judged(&sets[after]) })
+        let judged = if after == best { judged } else { self.judged(&sets[after]) };
+        Some(if judged.1 { judged } else { self.freed(&mut sets[after]).unwrap_or(judged) })
     }
 
     /// `set` with a discrepancy, and whether it lacks nothing.
@@ -119,6 +120,13 @@ impl Search<'_, '_, '_> {
         let doubt = self.doubted(set);
         let adequate = is_adequate(self.data, set, doubt.as_ref());
         (doubt, adequate)
+    }
+
+    /// `set`, which lacks something, fitted from elsewhere where motions are solved for; judged anew if it is better there.
+    fn freed(&self, set: &mut Set) -> Option<(Option<Set>, bool)> {
+        set.posterior = super::freed(self.data, &set.posterior)?;
+        set.screened = false;
+        Some(self.judged(set))
     }
 
     /// The likeliest of `sets` with a discrepancy, unless that is among the `known`.
@@ -163,7 +171,11 @@ impl Search<'_, '_, '_> {
             None => Vec::new(),
         };
         // What explains all may have a rival that does so, too: only those around the refitted model tell.
-        let seen = self.around(from, adequate);
+        let single = |set: &Set| set.members.len() == 1;
+        let seen = match !adequate && from.iter().all(single) {
+            true => self.paired(sets, from),
+            false => self.around(from, adequate),
+        };
         found.extend(if thorough { self.thoroughly(seen) } else { self.looked_at_best(seen).0 });
         let mut found = best_of_each(found.into_iter());
         self.finish_best(&mut found, sets, adequate);
@@ -199,7 +211,7 @@ impl Search<'_, '_, '_> {
     }
 
     /// Glances at sets of one more member around the parents `from`, where a line through each promises something.
-    fn around(&self, mut from: Vec<Set>, adequate: bool) -> Vec<Set> {
+    pub(super) fn around(&self, mut from: Vec<Set>, adequate: bool) -> Vec<Set> {
         let parents = from.clone();
         let (mut wanted, mut tangents): (Vec<(usize, Probe)>, Vec<Option<Tangents>>) = Default::default();
         let few = (0..self.data.records.len()).map(|k| self.data.lane(k).measured.len()).sum::<usize>() < FEW;

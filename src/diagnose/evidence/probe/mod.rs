@@ -1,5 +1,9 @@
 //! What small and large amounts of each candidate would change about a fitted hypothesis, to first order: which candidates
-//! are worth a fit, and from where.
+//! are worth a fit, and from where; `planes`: the same of two at once.
+
+mod planes;
+
+pub(super) use planes::{Plane, planes};
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -302,6 +306,40 @@ fn lines(
     candidates: &[Prepared],
     places: Vec<(usize, Vec<f64>)>,
 ) -> Result<Vec<Probe>, String> {
+    let line = |(direction, _): (Direction, Vec<Vec<f64>>)| {
+        let Direction { mut probe, pull, apart, share, .. } = direction;
+        let left = apart + probe.y[0].powi(2);
+        probe.multiple = -pull / left;
+        probe.gain = if probe.multiple > 0.0 { 0.5 * pull * pull / left } else { 0.0 };
+        probe.evidence = probe.gain - 0.5 * (left / probe.y[0].powi(2)).ln();
+        probe.distance *= probe.multiple.max(0.0) * share;
+        probe
+    };
+    directions(joint, y, candidates, places, line)
+}
+
+/// What a place changes, to first order, under white noise of the size of the residuals.
+struct Direction {
+    /// Its distance is that of the place itself.
+    probe: Probe,
+    /// Sums over what it changes beyond what the hypothesis can: of products with the residual, and of squares.
+    pull: f64,
+    apart: f64,
+    /// What that is of its size.
+    share: f64,
+    /// Sums of products with the hypothesis' derivatives, and what of these comes nearest to it.
+    cross: DVector<f64>,
+    nearest: DVector<f64>,
+}
+
+/// What `made` makes of each of `places` and its whitened changes, record by record, about `y`, at which `joint` is linearised.
+fn directions<T: Send>(
+    joint: &mut Joint,
+    y: &[f64],
+    candidates: &[Prepared],
+    places: Vec<(usize, Vec<f64>)>,
+    made: impl Fn((Direction, Vec<Vec<f64>>)) -> T + Sync,
+) -> Result<Vec<T>, String> {
     let data = joint.data;
     let sums = joint.sums_here(y);
     let n = y.len();
@@ -316,27 +354,24 @@ fn lines(
     let (probes, models): (Vec<Probe>, Vec<Model>) = places.into_iter().filter_map(beside).unzip();
     let changes = joint.changes(y, &models);
     let noise = &joint.noise;
-    let line = |(mut probe, change): (Probe, Option<Vec<Vec<f64>>>)| {
+    let direction = |(mut probe, change): (Probe, Option<Vec<Vec<f64>>>)| {
         let change = change?;
-        let distance = data.largest(&change);
+        probe.distance = data.largest(&change);
+        let change: Vec<Vec<f64>> =
+            change.iter().enumerate().map(|(k, change)| noise.whiten(data, k, change)).collect();
         let (mut square, mut along) = (0.0, 0.0);
         let mut cross = DVector::zeros(n);
-        for (k, change) in change.iter().enumerate() {
-            let change = noise.whiten(data, k, change);
-            square += dot(&change, &change);
-            along += dot(&change, &whitened[k].residuals);
-            whitened[k].columns.iter().for_each(|(i, column)| cross[*i] += dot(column, &change));
+        for (change, record) in change.iter().zip(&whitened) {
+            square += dot(change, change);
+            along += dot(change, &record.residuals);
+            record.columns.iter().for_each(|(i, column)| cross[*i] += dot(column, change));
         }
-        let apart = (square - cross.dot(&factor.solve(&cross))).max(0.0);
-        let left = apart + probe.y[0].powi(2);
-        let pull = along - cross.dot(&gradient);
-        probe.multiple = -pull / left;
-        probe.gain = if probe.multiple > 0.0 { 0.5 * pull * pull / left } else { 0.0 };
-        probe.evidence = probe.gain - 0.5 * (left / probe.y[0].powi(2)).ln();
-        probe.distance = distance * probe.multiple.max(0.0) * (apart / square).sqrt();
-        Some(probe)
+        let nearest = factor.solve(&cross);
+        let apart = (square - cross.dot(&nearest)).max(0.0);
+        let (pull, share) = (along - cross.dot(&gradient), (apart / square).sqrt());
+        Some(made((Direction { probe, pull, apart, share, cross, nearest }, change)))
     };
-    Ok(probes.into_par_iter().zip(changes).filter_map(line).collect())
+    Ok(probes.into_par_iter().zip(changes).filter_map(direction).collect())
 }
 
 /// The coordinates that a candidate is looked at.

@@ -1,0 +1,152 @@
+//! What two candidates promise together about a hypothesis, to first order: where neither explains much alone, lines about what
+//! one was fitted to mislead, and what both change tells at once.
+
+use rayon::prelude::*;
+
+use super::{Direction, Prepared, Probe, SIZES, directions, dot, places};
+use crate::diagnose::evidence::joint::Joint;
+use crate::diagnose::evidence::latent::Latent;
+use crate::diagnose::evidence::measured::Measured;
+use crate::diagnose::evidence::posterior::{HERE, Posterior, white_round};
+
+/// Part of what each of two changes that the other does not, of its square, below which they are one.
+const ONE: f64 = 1e-6;
+
+/// Amounts of two candidates beside a hypothesis.
+#[derive(Debug, Clone)]
+pub(in crate::diagnose::evidence) struct Plane {
+    /// Gain of log likelihood that the plane through them promises, under white noise of the size of the residuals.
+    pub gain: f64,
+    /// Both, with the multiples at which it is best.
+    pub probes: [Probe; 2],
+}
+
+/// The best plane of each two of the candidates in `which` about `parent`, unless they are forms of one; the most promising first.
+pub(in crate::diagnose::evidence) fn planes(
+    data: &Measured,
+    parent: &Posterior,
+    candidates: &[Prepared],
+    which: &[usize],
+) -> Result<Vec<Plane>, String> {
+    let latent = Latent::default();
+    let mut joint = Joint::new(data, &parent.model, &parent.unknowns, &latent)?;
+    let y = white_round(&mut joint, &parent.y, HERE)?;
+    let of =
+        |candidate: usize| places(&candidates[candidate], SIZES).into_iter().map(move |y| (candidate, y));
+    let first = which.iter().flat_map(|candidate| of(*candidate)).collect();
+    let found = directions(&mut joint, &y, candidates, first, |direction| direction);
+    data.bench.count(joint.simulations);
+    let found = found?;
+    let candidate = |k: usize| found[k].0.probe.candidate;
+    let is_open = |k: usize, j: usize| {
+        !candidates[candidate(k)].candidate.is_form_of(&candidates[candidate(j)].candidate)
+    };
+    let pairs: Vec<(usize, usize)> =
+        (0..found.len()).flat_map(|j| (0..j).map(move |k| (k, j))).filter(|(k, j)| is_open(*k, *j)).collect();
+    let mut planes: Vec<Plane> =
+        pairs.into_par_iter().filter_map(|(k, j)| plane(&found[k], &found[j])).collect();
+    planes.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut known = std::collections::HashSet::new();
+    planes.retain(|plane| known.insert(plane.probes.each_ref().map(|probe| probe.candidate)));
+    Ok(planes)
+}
+
+/// The plane through two places, unless it is best on another side of one.
+fn plane(a: &(Direction, Vec<Vec<f64>>), b: &(Direction, Vec<Vec<f64>>)) -> Option<Plane> {
+    let ((a, a_changes), (b, b_changes)) = (a, b);
+    let products = a_changes.iter().zip(b_changes).map(|(a, b)| dot(a, b));
+    let mixed = products.sum::<f64>() - a.cross.dot(&b.nearest);
+    let [of_a, of_b] = [a, b].map(|of| of.apart + of.probe.y[0].powi(2));
+    let determinant = of_a * of_b - mixed * mixed;
+    if determinant < ONE * of_a * of_b {
+        return None;
+    }
+    let multiples =
+        [(mixed * b.pull - of_b * a.pull) / determinant, (mixed * a.pull - of_a * b.pull) / determinant];
+    multiples.iter().all(|multiple| *multiple > 0.0).then(|| {
+        let at = |of: &Direction, multiple: f64| Probe { multiple, ..of.probe.clone() };
+        Plane {
+            gain: -0.5 * (multiples[0] * a.pull + multiples[1] * b.pull),
+            probes: [at(a, multiples[0]), at(b, multiples[1])],
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::{Dataset, Record};
+    use crate::diagnose::assumptions::Assumptions;
+    use crate::diagnose::candidates::tried;
+    use crate::diagnose::evidence::samples::{moved, slider};
+    use crate::diagnose::evidence::{again, first, probe};
+    use crate::diagnose::measurements::magnitudes;
+    use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+
+    /// The planes of `effects` about the slider that was measured with `hidden` ones, and what their candidates are.
+    fn beside(hidden: &str, effects: &[&str], check: impl FnOnce(&[Plane], &[Prepared])) {
+        let record = |level: f64| {
+            let motion = |i: u32| 2.5e-5 * level * (0.05 * f64::from(i)).sin();
+            Record { name: level.to_string(), ..moved(&slider(hidden), 400, 1e-3, motion) }
+        };
+        let dataset = Dataset { title: None, records: [0.8, 2.0, 5.0].map(record).to_vec() };
+        let given = slider("");
+        let bench = WeightedDataset::new(&given, &dataset, Assumptions::default(), None).unwrap();
+        let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
+        let base = first(&data, None, &given).and_then(|(first, _)| again(&data, &first)).unwrap();
+        let only: Vec<String> = effects.iter().map(|id| (*id).to_owned()).collect();
+        let (tried, _) = tried(&given, &bench, Some(&only));
+        let scales = magnitudes::of(&given, &dataset);
+        let candidates = probe::prepare(&data, &base, &tried, &scales, &dataset).unwrap().prepared;
+        let parent = Posterior { y: vec![0.0; base.y.len()], model: given, ..base };
+        let which: Vec<usize> = (0..candidates.len()).collect();
+        check(&planes(&data, &parent, &candidates, &which).unwrap(), &candidates);
+    }
+
+    /// Where `id` starts from on `plane`.
+    fn start(plane: &Plane, candidates: &[Prepared], id: &str) -> f64 {
+        let is = |probe: &&Probe| candidates[probe.candidate].candidate.effect.id == id;
+        let probe = plane.probes.iter().find(is).unwrap();
+        let first = &candidates[probe.candidate].coordinates[0];
+        first.value(first.times(probe.y[0], probe.multiple))
+    }
+
+    /// What adds to the force in proportion is known from one plane, whatever is looked at.
+    #[test]
+    fn two_that_a_force_is_linear_in_are_told_apart_by_one_plane() {
+        for (stiffness, damping) in [(2e5, 3e2), (5e4, 1e3), (1e5, 1e2)] {
+            let hidden = format!(
+                "[[effect]]\nid = \"residual_stiffness\"\nresidual_stiffness = {stiffness}\n\
+                 [[effect]]\nid = \"contact_damping\"\ndamping = {damping}\n"
+            );
+            let only = ["residual_stiffness", "contact_damping", "asymmetry", "sensor_offset"];
+            beside(&hidden, &only, |planes, candidates| {
+                let best = &planes[0];
+                let found = ["residual_stiffness", "contact_damping"].map(|id| start(best, candidates, id));
+                // Priors of numbers draw them a little towards none.
+                for (found, truth) in found.into_iter().zip([stiffness, damping]) {
+                    assert!((found / truth - 1.0).abs() < 0.05, "{found} for {truth}");
+                }
+            });
+        }
+    }
+
+    #[test]
+    fn each_two_candidates_have_one_plane_and_those_that_are_missing_the_first() {
+        let hidden = "[[effect]]\nid = \"asymmetry\"\nasymmetry = 0.1\n\
+                      [[effect]]\nid = \"residual_stiffness\"\nresidual_stiffness = 1e5\n";
+        beside(hidden, &["residual_stiffness", "asymmetry", "contact_damping"], |planes, candidates| {
+            let pairs: Vec<[usize; 2]> =
+                planes.iter().map(|plane| plane.probes.each_ref().map(|probe| probe.candidate)).collect();
+            for (k, pair) in pairs.iter().enumerate() {
+                assert!(pair[0] != pair[1] && !pairs[..k].contains(pair), "{pairs:?}");
+            }
+            assert!(planes.is_sorted_by(|a, b| a.gain >= b.gain) && planes.len() > 1);
+            let best =
+                planes[0].probes.each_ref().map(|probe| candidates[probe.candidate].candidate.effect.id);
+            assert!(best.contains(&"asymmetry") && best.contains(&"residual_stiffness"), "{best:?}");
+            // What is best where one of both is none, or its opposite, is no plane.
+            assert!(planes.iter().all(|plane| plane.probes.iter().all(|probe| probe.multiple > 0.0)));
+        });
+    }
+}
