@@ -94,7 +94,8 @@ impl Search<'_, '_, '_> {
     }
 
     /// The likeliest set of a size with a discrepancy, and whether it lacks nothing. What lacks something is sought with other
-    /// members in the place of its own before, and what does not with others in the place of those that bring several numbers.
+    /// members in the place of its own before, then from elsewhere, and what does not with others in the place of those that bring
+    /// several numbers.
     fn arrived(&self, sets: &mut Vec<Set>, size: usize) -> Option<(Option<Set>, bool)> {
         let best = of_size(sets, size).first().copied()?;
         let judged = self.judged(&sets[best]);
@@ -160,8 +161,8 @@ impl Search<'_, '_, '_> {
         });
     }
 
-    /// The sets of one more member, from `parents`; of those that lack nothing only what could be likelier. The best are
-    /// fitted in full.
+    /// The sets of one more member, from `parents`, of two members from others, too; of those that lack nothing only what could be
+    /// likelier. The best are fitted in full.
     pub(super) fn grown(&self, sets: &[Set], parents: &[usize], adequate: bool) -> Vec<Set> {
         let from: Vec<Set> = parents.iter().map(|parent| sets[*parent].clone()).collect();
         // One effect alone is what is likeliest: none is passed over for what it does not promise.
@@ -341,7 +342,7 @@ mod tests {
     use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::assumptions::Assumptions;
     use crate::diagnose::diagnosis::{Noise, NoiseSource};
-    use crate::diagnose::evidence::samples::slider;
+    use crate::diagnose::evidence::samples::{beam, slider, steady};
     use crate::diagnose::evidence::{again, first};
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
 
@@ -475,5 +476,25 @@ mod tests {
         // The one that comes closest tells, and one effect alone is not several.
         assert!(!is_hopeless(1e-3, &[off(&[], 0.1), off(&[0, 1], 0.08), off(&[0, 2], 0.06)]));
         assert!(!is_hopeless(1e-3, &[off(&[], 0.1), off(&[0], 0.08)]));
+    }
+
+    #[test]
+    fn a_set_that_stuck_is_judged_where_it_is_freed() {
+        let (truth, given) = (beam(1.94e11, 0.4, ""), beam(1.95e11, 0.42, ""));
+        let dataset = steady(&truth);
+        let bench = WeightedDataset::new(&given, &dataset, Assumptions::default(), None).unwrap();
+        let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
+        let base = first(&data, None, &given).and_then(|(first, _)| again(&data, &first)).unwrap();
+        let search = search(&data);
+        let whole = Set { members: Vec::new(), discrepancy: None, posterior: base, screened: false };
+        assert!(search.freed(&mut whole.clone()).is_none());
+        // Elsewhere, and taken for an end.
+        let mut stuck = Set { screened: true, ..whole.clone() };
+        stuck.posterior.predictions.iter_mut().flatten().for_each(|x| *x *= 0.7);
+        stuck.posterior.log_evidence = f64::NEG_INFINITY;
+        stuck.posterior.log_peak = f64::NEG_INFINITY;
+        let (doubt, adequate) = search.freed(&mut stuck).unwrap();
+        assert!(adequate && !stuck.screened && (evidence(&stuck) - evidence(&whole)).abs() < 1.0);
+        assert!(doubt.is_none_or(|doubt| doubt.is_of(&stuck)));
     }
 }

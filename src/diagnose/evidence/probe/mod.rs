@@ -228,9 +228,10 @@ impl Probe {
         Self { candidate, y, gain: 0.0, evidence: 0.0, distance: 0.0, multiple: 1.0 }
     }
 
-    /// Its coordinates, the `first` where the line is best, as far as lines can be trusted.
+    /// Its coordinates, the `first` where the line is best, as far as lines can be trusted and bounds let it.
     pub fn start(&self, first: &Coordinate) -> Vec<f64> {
-        at(first.times(self.y[0], self.multiple.clamp(NEAR.0, NEAR.1)), &self.y[1..])
+        let (low, high) = first.bounds();
+        at(first.times(self.y[0], self.multiple.clamp(NEAR.0, NEAR.1)).clamp(low, high), &self.y[1..])
     }
 }
 
@@ -306,46 +307,48 @@ fn lines(
     candidates: &[Prepared],
     places: Vec<(usize, Vec<f64>)>,
 ) -> Result<Vec<Probe>, String> {
-    let line = |(direction, _): (Direction, Vec<Vec<f64>>)| {
-        let Direction { mut probe, pull, apart, share, .. } = direction;
+    let line = |change: Change| {
+        let Change { mut probe, pull, apart, share, .. } = change;
         let left = apart + probe.y[0].powi(2);
         probe.multiple = -pull / left;
         probe.gain = if probe.multiple > 0.0 { 0.5 * pull * pull / left } else { 0.0 };
         probe.evidence = probe.gain - 0.5 * (left / probe.y[0].powi(2)).ln();
-        probe.distance *= probe.multiple.max(0.0) * share;
+        probe.distance = probe.distance * probe.multiple.max(0.0) * share;
         probe
     };
-    directions(joint, y, candidates, places, line)
+    changes(joint, y, candidates, places, line)
 }
 
 /// What a place changes, to first order, under white noise of the size of the residuals.
-struct Direction {
+struct Change {
     /// Its distance is that of the place itself.
     probe: Probe,
-    /// Sums over what it changes beyond what the hypothesis can: of products with the residual, and of squares.
+    /// Whitened, record by record.
+    whitened: Vec<Vec<f64>>,
+    /// Sums over the part of it that the hypothesis cannot make: of products with the residual, and of squares.
     pull: f64,
     apart: f64,
-    /// What that is of its size.
+    /// Size of that part over that of all.
     share: f64,
-    /// Sums of products with the hypothesis' derivatives, and what of these comes nearest to it.
+    /// Sums of products with the hypothesis' derivatives, and the amounts of these that come nearest to it.
     cross: DVector<f64>,
     nearest: DVector<f64>,
 }
 
-/// What `made` makes of each of `places` and its whitened changes, record by record, about `y`, at which `joint` is linearised.
-fn directions<T: Send>(
+/// What `made` makes of the change of each of `places` about `y`, at which `joint` is linearised.
+fn changes<T: Send>(
     joint: &mut Joint,
     y: &[f64],
     candidates: &[Prepared],
     places: Vec<(usize, Vec<f64>)>,
-    made: impl Fn((Direction, Vec<Vec<f64>>)) -> T + Sync,
+    made: impl Fn(Change) -> T + Sync,
 ) -> Result<Vec<T>, String> {
     let data = joint.data;
     let sums = joint.sums_here(y);
     let n = y.len();
     let factor = DMatrix::from_row_slice(n, n, &sums.curvature).cholesky().ok_or("no curvature")?;
     let gradient = factor.solve(&DVector::from_column_slice(&sums.gradient));
-    let whitened = joint.whitened();
+    let own = joint.whitened();
     let here = joint.model(y)?;
     let beside = |(candidate, y): (usize, Vec<f64>)| {
         let model = candidates[candidate].beside(&here, &y)?;
@@ -354,24 +357,24 @@ fn directions<T: Send>(
     let (probes, models): (Vec<Probe>, Vec<Model>) = places.into_iter().filter_map(beside).unzip();
     let changes = joint.changes(y, &models);
     let noise = &joint.noise;
-    let direction = |(mut probe, change): (Probe, Option<Vec<Vec<f64>>>)| {
+    let change = |(mut probe, change): (Probe, Option<Vec<Vec<f64>>>)| {
         let change = change?;
         probe.distance = data.largest(&change);
-        let change: Vec<Vec<f64>> =
+        let whitened: Vec<Vec<f64>> =
             change.iter().enumerate().map(|(k, change)| noise.whiten(data, k, change)).collect();
         let (mut square, mut along) = (0.0, 0.0);
         let mut cross = DVector::zeros(n);
-        for (change, record) in change.iter().zip(&whitened) {
+        for (change, own) in whitened.iter().zip(&own) {
             square += dot(change, change);
-            along += dot(change, &record.residuals);
-            record.columns.iter().for_each(|(i, column)| cross[*i] += dot(column, change));
+            along += dot(change, &own.residuals);
+            own.columns.iter().for_each(|(i, column)| cross[*i] += dot(column, change));
         }
         let nearest = factor.solve(&cross);
         let apart = (square - cross.dot(&nearest)).max(0.0);
         let (pull, share) = (along - cross.dot(&gradient), (apart / square).sqrt());
-        Some(made((Direction { probe, pull, apart, share, cross, nearest }, change)))
+        Some(made(Change { probe, whitened, pull, apart, share, cross, nearest }))
     };
-    Ok(probes.into_par_iter().zip(changes).filter_map(direction).collect())
+    Ok(probes.into_par_iter().zip(changes).filter_map(change).collect())
 }
 
 /// The coordinates that a candidate is looked at.

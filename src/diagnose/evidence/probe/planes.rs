@@ -1,9 +1,11 @@
 //! What two candidates promise together about a hypothesis, to first order: where neither explains much alone, lines about what
 //! one was fitted to mislead, and what both change tells at once.
 
+use std::collections::HashSet;
+
 use rayon::prelude::*;
 
-use super::{Direction, Prepared, Probe, SIZES, directions, dot, places};
+use super::{Change, Prepared, Probe, SIZES, changes, dot, places};
 use crate::diagnose::evidence::joint::Joint;
 use crate::diagnose::evidence::latent::Latent;
 use crate::diagnose::evidence::measured::Measured;
@@ -34,27 +36,26 @@ pub(in crate::diagnose::evidence) fn planes(
     let of =
         |candidate: usize| places(&candidates[candidate], SIZES).into_iter().map(move |y| (candidate, y));
     let first = which.iter().flat_map(|candidate| of(*candidate)).collect();
-    let found = directions(&mut joint, &y, candidates, first, |direction| direction);
+    let found = changes(&mut joint, &y, candidates, first, |change| change);
     data.bench.count(joint.simulations);
     let found = found?;
-    let candidate = |k: usize| found[k].0.probe.candidate;
-    let is_open = |k: usize, j: usize| {
-        !candidates[candidate(k)].candidate.is_form_of(&candidates[candidate(j)].candidate)
+    let of = |k: usize| &candidates[found[k].probe.candidate].candidate;
+    let pairs = (0..found.len()).flat_map(|j| (0..j).map(move |k| (k, j)));
+    let pairs: Vec<(usize, usize)> = pairs.filter(|(k, j)| !of(*k).is_form_of(of(*j))).collect();
+    let best = |(k, j): (usize, usize)| {
+        let wanted = !data.bench.interrupted();
+        wanted.then(|| plane(&found[k], &found[j])).flatten()
     };
-    let pairs: Vec<(usize, usize)> =
-        (0..found.len()).flat_map(|j| (0..j).map(move |k| (k, j))).filter(|(k, j)| is_open(*k, *j)).collect();
-    let mut planes: Vec<Plane> =
-        pairs.into_par_iter().filter_map(|(k, j)| plane(&found[k], &found[j])).collect();
+    let mut planes: Vec<Plane> = pairs.into_par_iter().filter_map(best).collect();
     planes.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let mut known = std::collections::HashSet::new();
+    let mut known = HashSet::new();
     planes.retain(|plane| known.insert(plane.probes.each_ref().map(|probe| probe.candidate)));
     Ok(planes)
 }
 
-/// The plane through two places, unless it is best on another side of one.
-fn plane(a: &(Direction, Vec<Vec<f64>>), b: &(Direction, Vec<Vec<f64>>)) -> Option<Plane> {
-    let ((a, a_changes), (b, b_changes)) = (a, b);
-    let products = a_changes.iter().zip(b_changes).map(|(a, b)| dot(a, b));
+/// The plane through two places, unless it is best where one of them is none, or on its other side.
+fn plane(a: &Change, b: &Change) -> Option<Plane> {
+    let products = a.whitened.iter().zip(&b.whitened).map(|(a, b)| dot(a, b));
     let mixed = products.sum::<f64>() - a.cross.dot(&b.nearest);
     let [of_a, of_b] = [a, b].map(|of| of.apart + of.probe.y[0].powi(2));
     let determinant = of_a * of_b - mixed * mixed;
@@ -64,7 +65,7 @@ fn plane(a: &(Direction, Vec<Vec<f64>>), b: &(Direction, Vec<Vec<f64>>)) -> Opti
     let multiples =
         [(mixed * b.pull - of_b * a.pull) / determinant, (mixed * a.pull - of_a * b.pull) / determinant];
     multiples.iter().all(|multiple| *multiple > 0.0).then(|| {
-        let at = |of: &Direction, multiple: f64| Probe { multiple, ..of.probe.clone() };
+        let at = |of: &Change, multiple: f64| Probe { multiple, ..of.probe.clone() };
         Plane {
             gain: -0.5 * (multiples[0] * a.pull + multiples[1] * b.pull),
             probes: [at(a, multiples[0]), at(b, multiples[1])],
@@ -103,8 +104,8 @@ mod tests {
         check(&planes(&data, &parent, &candidates, &which).unwrap(), &candidates);
     }
 
-    /// Where `id` starts from on `plane`.
-    fn start(plane: &Plane, candidates: &[Prepared], id: &str) -> f64 {
+    /// Where `plane` is best in `id`.
+    fn best(plane: &Plane, candidates: &[Prepared], id: &str) -> f64 {
         let is = |probe: &&Probe| candidates[probe.candidate].candidate.effect.id == id;
         let probe = plane.probes.iter().find(is).unwrap();
         let first = &candidates[probe.candidate].coordinates[0];
@@ -121,8 +122,8 @@ mod tests {
             );
             let only = ["residual_stiffness", "contact_damping", "asymmetry", "sensor_offset"];
             beside(&hidden, &only, |planes, candidates| {
-                let best = &planes[0];
-                let found = ["residual_stiffness", "contact_damping"].map(|id| start(best, candidates, id));
+                let first = &planes[0];
+                let found = ["residual_stiffness", "contact_damping"].map(|id| best(first, candidates, id));
                 // Priors of numbers draw them a little towards none.
                 for (found, truth) in found.into_iter().zip([stiffness, damping]) {
                     assert!((found / truth - 1.0).abs() < 0.05, "{found} for {truth}");
@@ -145,8 +146,39 @@ mod tests {
             let best =
                 planes[0].probes.each_ref().map(|probe| candidates[probe.candidate].candidate.effect.id);
             assert!(best.contains(&"asymmetry") && best.contains(&"residual_stiffness"), "{best:?}");
-            // What is best where one of both is none, or its opposite, is no plane.
-            assert!(planes.iter().all(|plane| plane.probes.iter().all(|probe| probe.multiple > 0.0)));
         });
+    }
+
+    /// A change of two values that no hypothesis makes, beside a residual.
+    fn change(candidate: usize, of: [f64; 2], residual: [f64; 2]) -> Change {
+        let nothing = nalgebra::DVector::zeros(0);
+        Change {
+            probe: Probe::new(candidate, vec![0.3]),
+            whitened: vec![of.to_vec()],
+            pull: dot(&of, &residual),
+            apart: dot(&of, &of),
+            share: 1.0,
+            cross: nothing.clone(),
+            nearest: nothing,
+        }
+    }
+
+    #[test]
+    fn a_plane_is_best_where_no_other_amounts_leave_less() {
+        let (a, b, residual) = ([3.0, 1.0], [0.5, 2.0], [-4.0, -3.0]);
+        let found = plane(&change(0, a, residual), &change(1, b, residual)).unwrap();
+        // What is left, with what the priors of both amounts add.
+        let left = |m: f64, n: f64| {
+            let squares = (0..2).map(|k| (residual[k] + m * a[k] + n * b[k]).powi(2)).sum::<f64>();
+            0.5 * (squares + (0.3 * m).powi(2) + (0.3 * n).powi(2))
+        };
+        let [m, n] = found.probes.each_ref().map(|probe| probe.multiple);
+        assert!((left(0.0, 0.0) - left(m, n) - found.gain).abs() < 1e-12 * found.gain);
+        for (by, and) in [(1e-3, 0.0), (-1e-3, 0.0), (0.0, 1e-3), (0.0, -1e-3)] {
+            assert!(left(m + by, n + and) > left(m, n));
+        }
+        // Two that change the same are one, and what pulls the other way is none.
+        assert!(plane(&change(0, [3e3, 1e3], residual), &change(1, [6e3, 2e3], residual)).is_none());
+        assert!(plane(&change(0, a, residual), &change(1, b.map(|b| -b), residual)).is_none());
     }
 }

@@ -1,20 +1,19 @@
 //! First looks at sets of one more member: at beginnings of records, at motions as they were measured, and at the data as
-//! they are.
+//! they are. `pairs`: at sets of two effects at once.
+
+mod pairs;
 
 use rayon::prelude::*;
 
 use super::joint::Tangents;
 use super::measured::Measured;
 use super::posterior::{LOOK, Posterior, Start, glance, screen};
-use super::probe::{self, Plane, Probe, Probed, SIZES};
+use super::probe::{self, Probe, Probed, SIZES};
 use super::search::{BEHIND, CLOSER, Search, TWICE, WORTH, is_adequate, promising};
-use super::set::{Set, best_of_each, evidence, of_size, rank};
+use super::set::{Set, best_of_each, evidence, rank};
 
 /// Multiple of a prior's deviation that first numbers of effects with a second one start from, too.
 const MORE: f64 = 10.0;
-/// Sets of two members that are glanced at, at most: beside those of one, and on planes.
-const GLANCED: usize = 64;
-const PLANES: usize = 32;
 /// Sets that are followed from the beginnings of records to their ends, at most.
 const LED: usize = 3;
 
@@ -39,7 +38,8 @@ impl Search<'_, '_, '_> {
         probe: &Probe,
     ) -> Option<Set> {
         let prepared = &self.candidates[probe.candidate];
-        let (model, unknowns, start) = self.extended(&parent.posterior, probe.candidate, &self.start(probe));
+        let (model, unknowns, start) =
+            self.extended(&parent.posterior, probe.candidate, &probe.start(&prepared.coordinates[0]));
         let start = Start { model: &model, unknowns: &unknowns, y: &start };
         let posterior = glance(data, &start, tangents).ok()?;
         (self.report)(prepared.candidate.effect.id);
@@ -92,76 +92,6 @@ impl Search<'_, '_, '_> {
             }
         }
         apart
-    }
-
-    /// Sets of two members, where nothing less explains all: of what lines promise, about `parents` or, where motions are solved
-    /// for, about each of the `sets` of one member as it fits those that were measured; and of what planes do about none, since
-    /// what explains little alone may end anywhere.
-    pub(super) fn paired(&self, sets: &[Set], parents: Vec<Set>) -> Vec<Set> {
-        let mut empty = sets[0].clone();
-        let (data, lines) = match self.looks {
-            None => {
-                self.whiten(&mut empty);
-                (self.data, self.around(parents, false))
-            }
-            Some(looks) => {
-                empty.posterior.y.fill(0.0);
-                let mut found = self.beside_each(looks, sets);
-                found.truncate(2 * TWICE);
-                (looks, moved_all(looks, found))
-            }
-        };
-        let mut planes = self.on_planes(data, &empty);
-        planes.truncate(TWICE);
-        best_of_each(lines.into_iter().chain(moved_all(data, planes)))
-    }
-
-    /// Sets of two members where lines about all `sets` of one promise most of those motions that were measured, glanced at.
-    fn beside_each(&self, looks: &Measured, sets: &[Set]) -> Vec<Set> {
-        let singles = of_size(sets, 1).into_iter().map(|k| sets[k].clone()).collect();
-        let singles = best_of_each(moved_all(looks, singles).into_iter());
-        let around: Vec<Probed> =
-            singles.par_iter().map(|set| self.probed(looks, set, &self.beside(set), SIZES)).collect();
-        let mut starts: Vec<(f64, usize, Probe)> = Vec::new();
-        for (k, (single, probed)) in singles.iter().zip(&around).enumerate() {
-            let worth = probed.probes.iter().filter(|probe| probe.gain > WORTH).cloned().collect();
-            starts
-                .extend(promising(worth).into_iter().map(|probe| (evidence(single) + probe.gain, k, probe)));
-        }
-        starts.sort_by(|a, b| b.0.total_cmp(&a.0));
-        starts.truncate(GLANCED);
-        let glanced = |(_, k, probe): &(f64, usize, Probe)| {
-            self.glanced(looks, &singles[*k], around[*k].tangents.as_ref(), probe)
-        };
-        best_of_each(starts.par_iter().filter_map(glanced).collect::<Vec<_>>().into_iter())
-    }
-
-    /// Sets of two members where planes about `empty` promise most, glanced at.
-    fn on_planes(&self, data: &Measured, empty: &Set) -> Vec<Set> {
-        let planes = probe::planes(data, &empty.posterior, self.candidates, &self.beside(empty));
-        let mut planes = planes.unwrap_or_default();
-        planes.truncate(PLANES);
-        let glanced = |Plane { probes, .. }: &Plane| {
-            let mut from = empty.posterior.clone();
-            for probe in probes {
-                let (model, unknowns, y) = self.extended(&from, probe.candidate, &self.start(probe));
-                from = Posterior { model, unknowns, y, ..from };
-            }
-            let Posterior { model, unknowns, y, .. } = &from;
-            let posterior = glance(data, &Start { model, unknowns, y }, None).ok()?;
-            let members = probes.iter().map(|probe| probe.candidate).collect();
-            Some(Set { members, discrepancy: None, posterior, screened: true })
-        };
-        best_of_each(planes.par_iter().filter_map(glanced).collect::<Vec<_>>().into_iter())
-    }
-
-    /// Where `probe` has its candidate start from.
-    fn start(&self, probe: &Probe) -> Vec<f64> {
-        let first = &self.candidates[probe.candidate].coordinates[0];
-        let mut y = probe.start(first);
-        let (low, high) = first.bounds();
-        y[0] = y[0].clamp(low, high);
-        y
     }
 
     /// The best of each candidate after a glance from `starts` beside `from`.
@@ -287,10 +217,9 @@ fn moved_all(data: &Measured, sets: Vec<Set>) -> Vec<Set> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::Dataset;
     use crate::diagnose::Assumptions;
     use crate::diagnose::candidates::tried;
-    use crate::diagnose::evidence::samples::{beam, moved as moved_from_rest, slider, steady, steady_at};
+    use crate::diagnose::evidence::samples::{beam, steady, steady_at};
     use crate::diagnose::evidence::{again, first, probe};
     use crate::diagnose::measurements::magnitudes;
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
@@ -388,74 +317,6 @@ mod tests {
                 let (half_gap, left) = found(&truth, &given, &levels, ".half_gap");
                 assert!(left < 0.01 && (half_gap / gap - 1.0).abs() < 0.01, "{half_gap} for {gap} m");
             }
-        }
-    }
-
-    /// What is found first beside `given`, of sets of two of these `effects`, where the only one known of one member is the third.
-    fn found_together(dataset: &Dataset, given: &Model, effects: [&str; 3]) -> Vec<&'static str> {
-        let bench = WeightedDataset::new(given, dataset, Assumptions::default(), None).unwrap();
-        let about = bench.linearised_at_measurement();
-        let records: Vec<usize> = (0..dataset.records.len()).collect();
-        let of = |bench| Measured::new(bench, &records, &[], &[]);
-        let (data, looks) = (of(&bench), about.as_ref().map(of));
-        let base = first(&data, None, given).and_then(|(first, _)| again(&data, &first)).unwrap();
-        let (tried, _) = tried(given, &bench, Some(&effects.map(String::from)));
-        let scales = magnitudes::of(given, dataset);
-        let candidates = probe::prepare(&data, &base, &tried, &scales, dataset).unwrap().prepared;
-        let search = Search {
-            data: &data,
-            looks: looks.as_ref(),
-            beginnings: &[],
-            candidates: &candidates,
-            most: 2,
-            report: &|_| {},
-        };
-        let id = |member: &usize| candidates[*member].candidate.effect.id;
-        let empty = Set { members: Vec::new(), discrepancy: None, posterior: base, screened: false };
-        let misled = (0..candidates.len()).find(|member| id(member) == effects[2]).unwrap();
-        let mut sets = vec![empty];
-        let start = &probe::amounts(&candidates, &[misled], &[0.3])[0];
-        sets.push(search.glanced(&data, &sets[0], None, start).unwrap());
-        let grown = search.grown(&sets, &[1], false);
-        let mut named: Vec<&str> = grown[0].members.iter().map(id).collect();
-        named.sort_unstable();
-        named
-    }
-
-    #[test]
-    fn two_effects_are_found_together_where_none_that_is_known_leads_to_them() {
-        let write = |effects: &[(&str, &str, f64)]| -> String {
-            let one = |(id, number, value): &(&str, &str, f64)| {
-                format!("[[effect]]\nid = \"{id}\"\n{number} = {value}\n")
-            };
-            effects.iter().map(one).collect()
-        };
-        for (spread, stiffness) in [(0.7, 8e5), (0.9, 5e5)] {
-            let hidden = write(&[
-                ("micro_slip", "spread", spread),
-                ("residual_stiffness", "residual_stiffness", stiffness),
-            ]);
-            let levels = [(1.0, 47.0), (4.0, 52.0), (9.0, 50.0), (15.0, 55.0), (20.0, 49.0)];
-            let dataset = steady_at(&beam(1.94e11, 0.4, &hidden), &levels);
-            let effects = ["micro_slip", "residual_stiffness", "added_mass"];
-            let named = found_together(&dataset, &beam(1.95e11, 0.36, ""), effects);
-            assert_eq!(named, effects[..2], "{spread}");
-        }
-        for (asymmetry, stiffness) in [(0.1, 2e5), (-0.2, 1e5)] {
-            let hidden = write(&[
-                ("asymmetry", "asymmetry", asymmetry),
-                ("residual_stiffness", "residual_stiffness", stiffness),
-            ]);
-            let mut random = fastrand::Rng::with_seed(2);
-            let record = |level: f64| {
-                let motion = |i: u32| 2.5e-5 * level * (0.05 * f64::from(i)).sin();
-                let mut record = moved_from_rest(&slider(&hidden), 400, 1e-3, motion);
-                record.channels[2].values.iter_mut().for_each(|force| *force += random.f64() - 0.5);
-                record
-            };
-            let dataset = Dataset { title: None, records: [0.8, 2.0, 5.0].map(record).to_vec() };
-            let effects = ["asymmetry", "residual_stiffness", "backlash"];
-            assert_eq!(found_together(&dataset, &slider(""), effects), effects[..2], "{asymmetry}");
         }
     }
 }
