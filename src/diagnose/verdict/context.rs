@@ -83,9 +83,9 @@ impl Weighed {
         self.of_which(wanted).max_by(|a, b| self.within[*a].total_cmp(&self.within[*b]))
     }
 
-    /// Their probability.
+    /// Their probability; that of all is 1 but for rounding.
     pub(super) fn sum(&self, wanted: impl Fn(&[&str]) -> bool) -> f64 {
-        self.of_which(wanted).map(|k| self.weights[k]).sum()
+        self.of_which(wanted).map(|k| self.weights[k]).sum::<f64>().min(1.0)
     }
 
     /// Probability of the effects of a set and nothing else, in any form.
