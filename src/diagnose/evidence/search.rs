@@ -23,7 +23,7 @@ const FEW: usize = 100;
 pub(super) const BEHIND: f64 = 20.0;
 /// At most so many sets of a size, single effects about measured motions, or candidates in the place of a member are looked at
 /// twice (of sets of one member all, where motions are solved for and none of these lacks nothing); so many are fitted in full
-/// besides the one of the smallest residual; and larger ones are made from so many.
+/// besides the one of the smallest residual; and larger ones are made from so many (`looks::pairs`: those of two from more).
 pub(super) const TWICE: usize = 8;
 const FULL: usize = 5;
 pub(super) const PARENTS: usize = 2;

@@ -167,7 +167,7 @@ mod tests {
     fn a_plane_is_best_where_no_other_amounts_leave_less() {
         let (a, b, residual) = ([3.0, 1.0], [0.5, 2.0], [-4.0, -3.0]);
         let found = plane(&change(0, a, residual), &change(1, b, residual)).unwrap();
-        // What is left, with what the priors of both amounts add.
+        // Half the sum of squares of the residual, with what the priors of both amounts add.
         let left = |m: f64, n: f64| {
             let squares = (0..2).map(|k| (residual[k] + m * a[k] + n * b[k]).powi(2)).sum::<f64>();
             0.5 * (squares + (0.3 * m).powi(2) + (0.3 * n).powi(2))
