@@ -14,7 +14,7 @@ const BEYOND: [i32; 9] = [1, 2, 3, 4, 5, 6, 8, 10, 12];
 const BETWEEN: f64 = 24.0;
 
 /// The farthest above the drives' frequencies: what a resonator does differs there by a hundredth, `1/FARTHEST²`, from what a mass
-/// does that is fixed, and simulations must still resolve it.
+/// does that is fixed.
 const FARTHEST: f64 = 10.0;
 
 /// The drives' lowest and highest frequency (Hz).

@@ -12,21 +12,25 @@ use super::propagator::{END, MIDDLE, NODES};
 use super::step::{Span, StepSolver};
 use super::{IntegrationError, Motion, Ramp, Settings};
 
-/// Radians of the fastest motion, laws in stick, that a step may last.
+/// Radians of the fastest motion that counts, laws in stick, that a step may last.
 const ANGLE: f64 = 0.2;
 impl Integrator {
     /// The longest of equal steps (s) that resolves the motion with springs of `stiffness` (N/m) in place of laws and
     /// outside forces, in stick as a rule. With a corner in a force at every reversal, the error is then some 1e-4 of the
     /// motion.
-    pub fn longest_step(&self, stiffness: &[f64]) -> f64 {
+    ///
+    /// Nothing moves by itself or is driven above `fastest` (rad/s), infinite if anything may: what corners move of a mode there
+    /// falls with the square of its frequency, and it counts as one as far below.
+    pub fn longest_step(&self, stiffness: &[f64], fastest: f64) -> f64 {
         let plant = &self.solver.plant;
-        let (omega, zeta) = (&plant.angular_frequency, &plant.damping_ratio);
         let mobility = |e: usize| self.solver.row_norm[e] * self.solver.row_norm[e];
         let attached: f64 = stiffness.iter().enumerate().map(|(e, k)| k.abs() * mobility(e)).sum();
-        let highest = omega.iter().copied().fold(0.0, f64::max);
+        let counted = |omega: f64| if omega <= fastest { omega } else { fastest * fastest / omega };
+        let highest = plant.angular_frequency.iter().map(|omega| counted(*omega)).fold(0.0, f64::max);
         let lost = |i: usize| {
             let beside = plant.damping.chunks_exact(plant.size()).nth(i).unwrap_or(&[]);
-            2.0 * zeta[i] * omega[i] + beside.iter().map(|d| d.abs()).sum::<f64>()
+            let own = 2.0 * plant.damping_ratio[i] * counted(plant.angular_frequency[i]);
+            own + beside.iter().map(|d| d.abs()).sum::<f64>()
         };
         let damping = (0..plant.size()).map(lost).fold(0.0, f64::max);
         ANGLE / ((highest * highest + attached).sqrt() + damping)

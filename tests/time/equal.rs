@@ -120,10 +120,33 @@ fn errors_against_the_exact_flow_fall_with_the_square_of_the_step_where_forces_h
         assert!((1.6..2.6).contains(&order), "{errors:?}");
     }
     // The length recommended: well below a thousandth.
-    let longest = integrator(&structure, &[shared(law)]).longest_step(&[0.2]);
+    let longest = integrator(&structure, &[shared(law)]).longest_step(&[0.2], f64::INFINITY);
     let steps = (step / longest).ceil() as usize;
     let error = relative(&run(&structure, &law, &force, step, steps), &reference);
     assert!(error < 4e-4, "{steps} steps: {error:e}");
+}
+
+#[test]
+fn a_mode_above_what_moves_counts_as_one_as_far_below() {
+    let step = |stiffness: f64, fastest: f64| {
+        integrator(&single(1.0, 0.0, stiffness * stiffness, 0), &[]).longest_step(&[], fastest)
+    };
+    let all = step(8.0, f64::INFINITY);
+    // Inversely as the frequency up to that, and back from there.
+    for (frequency, fastest, counted) in
+        [(8.0, 8.0, 8.0), (8.0, 9.0, 8.0), (8.0, 4.0, 2.0), (8.0, 1.0, 0.125)]
+    {
+        let found = step(frequency, fastest);
+        assert!((found * counted / (all * 8.0) - 1.0).abs() < 1e-12, "{frequency} of {fastest}: {found}");
+    }
+    // The slower one of two masses is left as it is, the faster the less the higher.
+    let two = integrator(&two_masses(0.0), &[]);
+    let longest = |fastest: f64| two.longest_step(&[], fastest);
+    let slower = longest(1e-6);
+    let steps: Vec<f64> = (0..60).map(|k| longest(3.0 * 0.9_f64.powi(k))).collect();
+    assert!(slower > 100.0 * longest(f64::INFINITY) && steps[0] == longest(f64::INFINITY));
+    // No jump where a mode comes to lie above.
+    assert!(steps.windows(2).all(|pair| (pair[1] / pair[0]).ln().abs() < 0.22), "{steps:?}");
 }
 
 #[test]

@@ -1,6 +1,14 @@
-//! Measurements for tests.
+//! Measurements for tests, and searches in them.
 
+use super::measured::Measured;
+use super::posterior::Posterior;
+use super::search::Search;
+use super::{again, first, probe};
 use crate::data::{Channel, Dataset, Record, Regime};
+use crate::diagnose::assumptions::Assumptions;
+use crate::diagnose::candidates::tried;
+use crate::diagnose::measurements::magnitudes;
+use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
 use crate::fit::predict::predict;
 use crate::model::Model;
 
@@ -87,4 +95,27 @@ pub(super) fn from_rest(amplitude: f64) -> Record {
         channel("displacement:m1", "m", vec![0.0; 800]),
     ];
     Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels }
+}
+
+/// What `of` makes of a search for these effects, for all where `only` names none, beside `given` in all records of `dataset`, and
+/// of the fit without them. Where motions are solved for, first looks are about those that were measured.
+pub(super) fn searching<T>(
+    given: &Model,
+    dataset: &Dataset,
+    only: &[&str],
+    most: usize,
+    of: impl FnOnce(&Search, Posterior) -> T,
+) -> T {
+    let bench = WeightedDataset::new(given, dataset, Assumptions::default(), None).unwrap();
+    let about = bench.linearised_at_measurement();
+    let records: Vec<usize> = (0..dataset.records.len()).collect();
+    let measured = |bench| Measured::new(bench, &records, &[], &[]);
+    let (data, looks) = (measured(&bench), about.as_ref().map(measured));
+    let base = first(&data, None, given).and_then(|(first, _)| again(&data, &first)).unwrap();
+    let only: Vec<String> = only.iter().map(|id| (*id).to_owned()).collect();
+    let (tried, _) = tried(given, &bench, (!only.is_empty()).then_some(&only[..]));
+    let scales = magnitudes::of(given, dataset);
+    let candidates = probe::prepare(&data, &base, &tried, &scales, dataset).unwrap().prepared;
+    let (candidates, looks) = (&candidates[..], looks.as_ref());
+    of(&Search { data: &data, looks, beginnings: &[], candidates, most, report: &|_| {} }, base)
 }

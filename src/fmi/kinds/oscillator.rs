@@ -102,7 +102,7 @@ pub(super) fn behaviour(model: &Model, oscillator: &Oscillator) -> Result<Box<dy
         load: (own == 1).then_some(masses),
         shows_port: false,
         runs: true,
-        longest: Some(integrator.longest_step(stuck.as_slice())),
+        longest: Some(integrator.longest_step(stuck.as_slice(), f64::INFINITY)),
     };
     Ok(Box::new(DrivenSystem::new(&system, own, table, LoadRule::new(model))?))
 }

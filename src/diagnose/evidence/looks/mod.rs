@@ -217,79 +217,46 @@ fn moved_all(data: &Measured, sets: Vec<Set>) -> Vec<Set> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::Assumptions;
-    use crate::diagnose::candidates::tried;
-    use crate::diagnose::evidence::samples::{beam, steady, steady_at};
-    use crate::diagnose::evidence::{again, first, probe};
-    use crate::diagnose::measurements::magnitudes;
-    use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+    use crate::diagnose::evidence::samples::{beam, searching, steady, steady_at};
     use crate::model::Model;
 
     #[test]
     fn several_forms_of_one_effect_leave_room_for_the_looks_at_others() {
         let given = beam(1.95e11, 0.42, "");
-        let dataset = steady(&given);
-        let bench = WeightedDataset::new(&given, &dataset, Assumptions::default(), None).unwrap();
-        let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
-        let base = first(&data, None, &given).and_then(|(first, _)| again(&data, &first)).unwrap();
-        let (tried, _) = tried(&given, &bench, None);
-        let scales = magnitudes::of(&given, &dataset);
-        let candidates = probe::prepare(&data, &base, &tried, &scales, &dataset).unwrap().prepared;
-        let search = Search {
-            data: &data,
-            looks: None,
-            beginnings: &[],
-            candidates: &candidates,
-            most: 1,
-            report: &|_| {},
-        };
-        let id = |member: &usize| candidates[*member].candidate.effect.id;
-        let (same, mut others): (Vec<usize>, Vec<usize>) =
-            (0..candidates.len()).partition(|member| id(member) == "micro_slip");
-        others.dedup_by_key(|member| id(member));
-        assert!(same.len() > 1 && others.len() > TWICE);
-        // All but the first so far behind.
-        let worth = |behind: f64| {
-            let set = |(k, member): (usize, &usize)| {
-                let log_evidence = if k == 0 { 0.0 } else { -behind };
-                let posterior = Posterior { log_evidence, ..base.clone() };
-                Set { members: vec![*member], discrepancy: None, posterior, screened: true }
+        searching(&given, &steady(&given), &[], 1, |search, base| {
+            let id = |member: &usize| search.candidates[*member].candidate.effect.id;
+            let (same, mut others): (Vec<usize>, Vec<usize>) =
+                (0..search.candidates.len()).partition(|member| id(member) == "micro_slip");
+            others.dedup_by_key(|member| id(member));
+            assert!(same.len() > 1 && others.len() > TWICE);
+            // All but the first so far behind.
+            let worth = |behind: f64| {
+                let set = |(k, member): (usize, &usize)| {
+                    let log_evidence = if k == 0 { 0.0 } else { -behind };
+                    let posterior = Posterior { log_evidence, ..base.clone() };
+                    Set { members: vec![*member], discrepancy: None, posterior, screened: true }
+                };
+                let sets: Vec<Set> = same.iter().chain(&others).enumerate().map(set).collect();
+                search.worth_a_look(&sets)
             };
-            let sets: Vec<Set> = same.iter().chain(&others).enumerate().map(set).collect();
-            search.worth_a_look(&sets)
-        };
-        assert_eq!(worth(2.0 * BEHIND), same.len() + TWICE - 1);
-        assert_eq!(worth(0.5 * BEHIND), same.len() + others.len());
+            assert_eq!(worth(2.0 * BEHIND), same.len() + TWICE - 1);
+            assert_eq!(worth(0.5 * BEHIND), same.len() + others.len());
+        });
     }
 
     /// The value of `number` in what is found beside `given`, of all effects of one member, where `truth` was measured at these
     /// levels and frequencies, and the residual of it.
     fn found(truth: &Model, given: &Model, levels: &[(f64, f64)], number: &str) -> (f64, f64) {
-        let dataset = steady_at(truth, levels);
-        let bench = WeightedDataset::new(given, &dataset, Assumptions::default(), None).unwrap();
-        let about = bench.linearised_at_measurement().unwrap();
-        let records: Vec<usize> = (0..levels.len()).collect();
-        let [data, looks] = [&bench, &about].map(|bench| Measured::new(bench, &records, &[], &[]));
-        let base = first(&data, None, given).and_then(|(first, _)| again(&data, &first)).unwrap();
-        let (tried, _) = tried(given, &bench, None);
-        let scales = magnitudes::of(given, &dataset);
-        let candidates = probe::prepare(&data, &base, &tried, &scales, &dataset).unwrap().prepared;
-        let search = Search {
-            data: &data,
-            looks: Some(&looks),
-            beginnings: &[],
-            candidates: &candidates,
-            most: 1,
-            report: &|_| {},
-        };
-        let empty = Set { members: Vec::new(), discrepancy: None, posterior: base, screened: false };
-        let mut all = search.looked_at(search.beside_given(&looks, &empty));
-        rank(&mut all);
-        let mut best = all.swap_remove(0);
-        search.finish(&mut best);
-        let estimates = best.posterior.estimates();
-        let value = estimates.iter().find(|estimate| estimate.name.ends_with(number));
-        (value.map_or(f64::NAN, |found| found.value), data.left(&best.posterior.predictions))
+        searching(given, &steady_at(truth, levels), &[], 1, |search, base| {
+            let empty = Set { members: Vec::new(), discrepancy: None, posterior: base, screened: false };
+            let mut all = search.looked_at(search.beside_given(search.looks.unwrap(), &empty));
+            rank(&mut all);
+            let mut best = all.swap_remove(0);
+            search.finish(&mut best);
+            let estimates = best.posterior.estimates();
+            let value = estimates.iter().find(|estimate| estimate.name.ends_with(number));
+            (value.map_or(f64::NAN, |found| found.value), search.left(&best))
+        })
     }
 
     #[test]

@@ -81,43 +81,24 @@ impl Search<'_, '_, '_> {
 mod tests {
     use super::*;
     use crate::data::Dataset;
-    use crate::diagnose::Assumptions;
-    use crate::diagnose::candidates::tried;
-    use crate::diagnose::evidence::samples::{beam, moved, slider, steady_at};
-    use crate::diagnose::evidence::{again, first};
-    use crate::diagnose::measurements::magnitudes;
-    use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+    use crate::diagnose::evidence::samples::{beam, moved, searching, slider, steady_at};
     use crate::model::Model;
 
     /// What is found first beside `given`, of sets of two of these `effects`, where the only one known of one member is the third.
     fn found_together(dataset: &Dataset, given: &Model, effects: [&str; 3]) -> Vec<&'static str> {
-        let bench = WeightedDataset::new(given, dataset, Assumptions::default(), None).unwrap();
-        let about = bench.linearised_at_measurement();
-        let records: Vec<usize> = (0..dataset.records.len()).collect();
-        let of = |bench| Measured::new(bench, &records, &[], &[]);
-        let (data, looks) = (of(&bench), about.as_ref().map(of));
-        let base = first(&data, None, given).and_then(|(first, _)| again(&data, &first)).unwrap();
-        let (tried, _) = tried(given, &bench, Some(&effects.map(String::from)));
-        let scales = magnitudes::of(given, dataset);
-        let candidates = probe::prepare(&data, &base, &tried, &scales, dataset).unwrap().prepared;
-        let search = Search {
-            data: &data,
-            looks: looks.as_ref(),
-            beginnings: &[],
-            candidates: &candidates,
-            most: 2,
-            report: &|_| {},
-        };
-        let id = |member: &usize| candidates[*member].candidate.effect.id;
-        let empty = Set { members: Vec::new(), discrepancy: None, posterior: base, screened: false };
-        let misled = (0..candidates.len()).find(|member| id(member) == effects[2]).unwrap();
-        let mut sets = vec![empty];
-        let start = &probe::amounts(&candidates, &[misled], &[0.3])[0];
-        sets.push(search.glanced(&data, &sets[0], None, start).unwrap());
-        let grown = search.grown(&sets, &[1], false);
-        let mut named: Vec<&str> = grown[0].members.iter().map(id).collect();
-        named.sort_unstable();
-        named
+        searching(given, dataset, &effects, 2, |search, base| {
+            let candidates = search.candidates;
+            let id = |member: &usize| candidates[*member].candidate.effect.id;
+            let empty = Set { members: Vec::new(), discrepancy: None, posterior: base, screened: false };
+            let misled = (0..candidates.len()).find(|member| id(member) == effects[2]).unwrap();
+            let mut sets = vec![empty];
+            let start = &probe::amounts(candidates, &[misled], &[0.3])[0];
+            sets.push(search.glanced(search.data, &sets[0], None, start).unwrap());
+            let grown = search.grown(&sets, &[1], false);
+            let mut named: Vec<&str> = grown[0].members.iter().map(id).collect();
+            named.sort_unstable();
+            named
+        })
     }
 
     #[test]

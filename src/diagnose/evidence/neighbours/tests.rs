@@ -1,11 +1,6 @@
 use super::*;
 use crate::data::{Channel, Dataset, Record, Regime};
-use crate::diagnose::assumptions::Assumptions;
-use crate::diagnose::candidates::tried;
-use crate::diagnose::evidence::samples::slider;
-use crate::diagnose::evidence::{Measured, Question, again, first, weigh};
-use crate::diagnose::measurements::magnitudes;
-use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+use crate::diagnose::evidence::samples::{searching, slider};
 use crate::fit::predict::predict;
 
 /// What `truth`, which yields at so much (m), would show if pulled to and fro at three levels, with noise of at most so
@@ -154,17 +149,7 @@ fn searched(
     most: usize,
     look: impl Fn(&Search, Vec<Set>),
 ) {
-    let bench = WeightedDataset::new(model, dataset, Assumptions::default(), None).unwrap();
-    let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
-    let base = first(&data, None, model).and_then(|(first, _)| again(&data, &first)).unwrap();
-    let only: Vec<String> = only.iter().map(|id| (*id).to_owned()).collect();
-    let (tried, _) = tried(model, &bench, Some(&only));
-    let scales = magnitudes::of(model, dataset);
-    let question = Question { data: &data, looks: None, beginnings: &[], dataset, scales: &scales };
-    let weighed = weigh(&question, base, &tried, most, &|_| {}).unwrap();
-    let candidates = &weighed.candidates;
-    let search = Search { data: &data, looks: None, beginnings: &[], candidates, most, report: &|_| {} };
-    look(&search, weighed.sets.clone());
+    searching(model, dataset, only, most, |search, base| look(search, search.run(base)));
 }
 
 #[test]

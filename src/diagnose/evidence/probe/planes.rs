@@ -77,12 +77,8 @@ fn plane(a: &Change, b: &Change) -> Option<Plane> {
 mod tests {
     use super::*;
     use crate::data::{Dataset, Record};
-    use crate::diagnose::assumptions::Assumptions;
-    use crate::diagnose::candidates::tried;
-    use crate::diagnose::evidence::samples::{moved, slider};
-    use crate::diagnose::evidence::{again, first, probe};
-    use crate::diagnose::measurements::magnitudes;
-    use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+    use crate::diagnose::evidence::Search;
+    use crate::diagnose::evidence::samples::{moved, searching, slider};
 
     /// The planes of `effects` about the slider that was measured with `hidden` ones, and what their candidates are.
     fn beside(hidden: &str, effects: &[&str], check: impl FnOnce(&[Plane], &[Prepared])) {
@@ -92,16 +88,11 @@ mod tests {
         };
         let dataset = Dataset { title: None, records: [0.8, 2.0, 5.0].map(record).to_vec() };
         let given = slider("");
-        let bench = WeightedDataset::new(&given, &dataset, Assumptions::default(), None).unwrap();
-        let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
-        let base = first(&data, None, &given).and_then(|(first, _)| again(&data, &first)).unwrap();
-        let only: Vec<String> = effects.iter().map(|id| (*id).to_owned()).collect();
-        let (tried, _) = tried(&given, &bench, Some(&only));
-        let scales = magnitudes::of(&given, &dataset);
-        let candidates = probe::prepare(&data, &base, &tried, &scales, &dataset).unwrap().prepared;
-        let parent = Posterior { y: vec![0.0; base.y.len()], model: given, ..base };
-        let which: Vec<usize> = (0..candidates.len()).collect();
-        check(&planes(&data, &parent, &candidates, &which).unwrap(), &candidates);
+        searching(&given, &dataset, effects, 1, |Search { data, candidates, .. }, base| {
+            let parent = Posterior { y: vec![0.0; base.y.len()], model: given.clone(), ..base };
+            let which: Vec<usize> = (0..candidates.len()).collect();
+            check(&planes(data, &parent, candidates, &which).unwrap(), candidates);
+        });
     }
 
     /// Where `plane` is best in `id`.

@@ -1,5 +1,7 @@
 //! A structure excited as measured: a system whose ports are driven and read.
 
+use std::f64::consts::PI;
+
 use super::Stepper;
 use super::excitation::{Excitation, MeasuredLoad, mass_of};
 use crate::contact::JointChanges;
@@ -95,8 +97,12 @@ impl ExcitedSystem {
         // In stick; what is added to the structure is soft.
         let beside = model.changes().joint.residual_stiffness.max(0.0);
         let stiffness = model.contact.map(|contact| contact.tangential_stiffness + beside);
-        let longest = integrator.longest_step(stiffness.as_slice());
-        let steps = ((self.excitation.step(0) / longest).ceil() as usize).clamp(1, MOST_STEPS);
+        let sample_step = self.excitation.step(0);
+        // Samples of a force drive nothing above half their rate, and what hangs at the contact begins with it.
+        let hangs = !model.changes().structure.hanging_masses.is_empty();
+        let fastest = if hangs { PI / sample_step } else { f64::INFINITY };
+        let longest = integrator.longest_step(stiffness.as_slice(), fastest);
+        let steps = ((sample_step / longest).ceil() as usize).clamp(1, MOST_STEPS);
         Steps::Equal(steps * self.finer)
     }
 
