@@ -94,8 +94,8 @@ impl Search<'_, '_, '_> {
     }
 
     /// The likeliest set of a size with a discrepancy, and whether it lacks nothing. What lacks something is sought with other
-    /// members in the place of its own before, unless these are the last of several, which lead to nothing more, then from
-    /// elsewhere, and what does not with others in the place of those that bring several numbers.
+    /// members in the place of its own before, then from elsewhere, and what does not with others in the place of those that bring
+    /// several numbers.
     fn arrived(&self, sets: &mut Vec<Set>, size: usize) -> Option<(Option<Set>, bool)> {
         let best = of_size(sets, size).first().copied()?;
         let judged = self.judged(&sets[best]);
@@ -106,7 +106,7 @@ impl Search<'_, '_, '_> {
         }
         if adequate {
             self.in_simpler_exchange(sets, best);
-        } else if size < self.most.max(SEVERAL) && self.in_exchange(sets, best) {
+        } else if self.in_exchange(sets, best) {
             for reformed in self.to_be_reformed(sets, size, true) {
                 self.in_other_forms(sets, reformed, false);
             }
@@ -342,7 +342,7 @@ mod tests {
     use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::assumptions::Assumptions;
     use crate::diagnose::diagnosis::{Noise, NoiseSource};
-    use crate::diagnose::evidence::samples::{beam, moved, searching, slider, steady};
+    use crate::diagnose::evidence::samples::{beam, slider, steady};
     use crate::diagnose::evidence::{again, first};
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
 
@@ -476,36 +476,6 @@ mod tests {
         // The one that comes closest tells, and one effect alone is not several.
         assert!(!is_hopeless(1e-3, &[off(&[], 0.1), off(&[0, 1], 0.08), off(&[0, 2], 0.06)]));
         assert!(!is_hopeless(1e-3, &[off(&[], 0.1), off(&[0], 0.08)]));
-    }
-
-    #[test]
-    fn a_pair_that_lacks_something_leads_to_others_unless_it_is_of_the_last() {
-        let hidden = "[[effect]]\nid = \"asymmetry\"\nasymmetry = 0.1\n\
-                      [[effect]]\nid = \"residual_stiffness\"\nresidual_stiffness = 1e5\n";
-        let record = |level: f64| {
-            let motion = |i: u32| 2.5e-5 * level * (0.05 * f64::from(i)).sin();
-            moved(&slider(hidden), 400, 1e-3, motion)
-        };
-        let dataset = Dataset { title: None, records: [0.8, 2.0, 5.0].map(record).to_vec() };
-        let only = ["contact_damping", "sensor_offset", "asymmetry", "residual_stiffness"];
-        for (most, leads) in [(2, false), (3, true)] {
-            searching(&slider(""), &dataset, &only, most, |search, base| {
-                let empty = Set { members: Vec::new(), discrepancy: None, posterior: base, screened: false };
-                let place = |id: &str| {
-                    search.candidates.iter().position(|one| one.candidate.effect.id == id).unwrap()
-                };
-                let wrong = [place("contact_damping"), place("sensor_offset")];
-                let beside = |set: &Set, member: usize| {
-                    let start = &probe::amounts(search.candidates, &[member], SMALL)[0];
-                    search.glanced(search.data, set, None, start).unwrap()
-                };
-                let mut pair = beside(&beside(&empty, wrong[0]), wrong[1]);
-                search.finish(&mut pair);
-                let mut sets = vec![empty, pair];
-                let (_, adequate) = search.arrived(&mut sets, 2).unwrap();
-                assert_eq!((sets.len() > 2, adequate), (leads, false), "{most}");
-            });
-        }
     }
 
     #[test]
