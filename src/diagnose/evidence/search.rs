@@ -342,7 +342,7 @@ mod tests {
     use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::assumptions::Assumptions;
     use crate::diagnose::diagnosis::{Noise, NoiseSource};
-    use crate::diagnose::evidence::samples::{beam, slider, steady};
+    use crate::diagnose::evidence::samples::{beam, searching, slider, steady};
     use crate::diagnose::evidence::{again, first};
     use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
 
@@ -481,20 +481,17 @@ mod tests {
     #[test]
     fn a_set_that_stuck_is_judged_where_it_is_freed() {
         let (truth, given) = (beam(1.94e11, 0.4, ""), beam(1.95e11, 0.42, ""));
-        let dataset = steady(&truth);
-        let bench = WeightedDataset::new(&given, &dataset, Assumptions::default(), None).unwrap();
-        let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
-        let base = first(&data, None, &given).and_then(|(first, _)| again(&data, &first)).unwrap();
-        let search = search(&data);
-        let whole = Set { members: Vec::new(), discrepancy: None, posterior: base, screened: false };
-        assert!(search.freed(&mut whole.clone()).is_none());
-        // Elsewhere, and taken for an end.
-        let mut stuck = Set { screened: true, ..whole.clone() };
-        stuck.posterior.predictions.iter_mut().flatten().for_each(|x| *x *= 0.7);
-        stuck.posterior.log_evidence = f64::NEG_INFINITY;
-        stuck.posterior.log_peak = f64::NEG_INFINITY;
-        let (doubt, adequate) = search.freed(&mut stuck).unwrap();
-        assert!(adequate && !stuck.screened && (evidence(&stuck) - evidence(&whole)).abs() < 1.0);
-        assert!(doubt.is_none_or(|doubt| doubt.is_of(&stuck)));
+        searching(&given, &steady(&truth), &["added_mass"], 1, |search, base| {
+            let whole = Set { members: Vec::new(), discrepancy: None, posterior: base, screened: false };
+            assert!(search.freed(&mut whole.clone()).is_none());
+            // Elsewhere, and taken for an end.
+            let mut stuck = Set { screened: true, ..whole.clone() };
+            stuck.posterior.predictions.iter_mut().flatten().for_each(|x| *x *= 0.7);
+            stuck.posterior.log_evidence = f64::NEG_INFINITY;
+            stuck.posterior.log_peak = f64::NEG_INFINITY;
+            let (doubt, adequate) = search.freed(&mut stuck).unwrap();
+            assert!(adequate && !stuck.screened && (evidence(&stuck) - evidence(&whole)).abs() < 1.0);
+            assert!(doubt.is_none_or(|doubt| doubt.is_of(&stuck)));
+        });
     }
 }
