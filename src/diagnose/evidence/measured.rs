@@ -161,20 +161,22 @@ impl<'a, 'd> Measured<'a, 'd> {
         predictions.iter().enumerate().map(of_record).collect()
     }
 
-    /// By how much the residual of `predictions` is larger than the noise that was told: root mean square over all channels, as
-    /// a fraction of the channel.
+    /// By how much the residual of `predictions` is larger than the noise that was told, as a fraction of the channels, in the
+    /// record where that is most: as `relevance`.
     pub fn excess(&self, predictions: &[Vec<f64>]) -> f64 {
-        let (mut sum, mut count) = (0.0, 0.0);
-        for (k, (channels, predicted)) in self.channels.iter().zip(predictions).enumerate() {
-            let measured = &self.lane(k).measured;
-            for MeasuredChannel { range, size, prior, .. } in channels {
-                let square: f64 = range.clone().map(|i| (predicted[i] - measured[i]).powi(2)).sum();
-                let more = square / range.len() as f64 - prior.deviation * prior.deviation;
-                sum += more.max(0.0) / (size * size);
-                count += 1.0;
-            }
-        }
-        (sum / f64::max(count, 1.0)).sqrt()
+        let of = |(k, predicted): (usize, &Vec<f64>)| self.excess_of(k, predicted);
+        predictions.iter().enumerate().map(of).fold(0.0, f64::max)
+    }
+
+    /// The same of record `k`.
+    fn excess_of(&self, k: usize, predicted: &[f64]) -> f64 {
+        let measured = &self.lane(k).measured;
+        let of = |MeasuredChannel { range, size, prior, .. }: &MeasuredChannel| {
+            let square: f64 = range.clone().map(|i| (predicted[i] - measured[i]).powi(2)).sum();
+            let more = square / range.len() as f64 - prior.deviation * prior.deviation;
+            more.max(0.0) / (size * size)
+        };
+        (self.channels[k].iter().map(of).sum::<f64>() / self.channels[k].len().max(1) as f64).sqrt()
     }
 
     /// How much of the residual of `predictions` is more than noise, as a fraction of the channels: what is beyond a noise that is
@@ -320,6 +322,7 @@ impl NoiseModel {
 mod tests {
     use super::*;
     use crate::data::{Channel, Dataset, Record, Regime};
+    use crate::diagnose::diagnosis::NoiseSource;
     use crate::diagnose::evidence::samples::slider;
 
     const COUNT: usize = 1000;
@@ -348,5 +351,35 @@ mod tests {
         assert!(white < 0.1, "{white}");
         let wave = foretold(&mut |i| 0.02 * (0.05 * i).sin());
         assert!(wave > 0.95, "{wave}");
+    }
+
+    #[test]
+    fn more_than_noise_is_what_one_record_shows_and_others_do_not() {
+        let model = slider("");
+        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+        let values = |of: &dyn Fn(f64) -> f64| (0..COUNT).map(|i| of(i as f64)).collect::<Vec<f64>>();
+        let channels = vec![
+            channel("time", "s", values(&|i| 1e-3 * i)),
+            channel("displacement", "m", values(&|i| 1e-6 * (0.1 * i).sin())),
+            channel("force", "N", values(&|i| (0.1 * i).sin())),
+        ];
+        let record = Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels };
+        let dataset = Dataset { title: None, records: vec![record.clone(), record] };
+        let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
+        let size = 1.0 / bench.lanes[0].scales[0];
+        let told = [0, 1].map(|record| Noise {
+            record,
+            channel: "force".into(),
+            deviation: Some(0.003 * size),
+            log_error: 0.0,
+            source: NoiseSource::Stated,
+        });
+        let data = Measured::new(&bench, &[0, 1], &told, &[]);
+        let off = |fraction: f64| values(&|i| (0.1 * i).sin() + fraction * size);
+        let excess = |of: [f64; 2]| data.excess(&of.map(off));
+        assert_eq!(excess([0.003, 0.002]), 0.0);
+        for other in [0.0, 0.003, 0.005] {
+            assert!((excess([0.005, other]) - 0.004).abs() < 1e-9, "{other}");
+        }
     }
 }
