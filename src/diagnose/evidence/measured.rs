@@ -169,7 +169,7 @@ impl<'a, 'd> Measured<'a, 'd> {
     }
 
     /// The same of record `k`.
-    fn excess_of(&self, k: usize, predicted: &[f64]) -> f64 {
+    pub fn excess_of(&self, k: usize, predicted: &[f64]) -> f64 {
         let measured = &self.lane(k).measured;
         let of = |MeasuredChannel { range, size, prior, .. }: &MeasuredChannel| {
             let square: f64 = range.clone().map(|i| (predicted[i] - measured[i]).powi(2)).sum();
@@ -179,12 +179,14 @@ impl<'a, 'd> Measured<'a, 'd> {
         (self.channels[k].iter().map(of).sum::<f64>() / self.channels[k].len().max(1) as f64).sqrt()
     }
 
-    /// How much of the residual of `predictions` is more than noise, as a fraction of the channels: what is beyond a noise that is
-    /// known; of an unknown one what follows from its own past, all of it where few values, or a size that noise hardly has, tell
-    /// nothing of that.
+    /// How much of the residual of `predictions` is more than noise, root mean square over all records as a fraction of the
+    /// channels: what is beyond a noise that is known; of an unknown one what follows from its own past, all of it where few values,
+    /// or a size that noise hardly has, tell nothing of that.
     pub fn unexplained(&self, predictions: &[Vec<f64>]) -> f64 {
         if self.noise_is_known() {
-            return self.excess(predictions);
+            let square = |(k, predicted): (usize, &Vec<f64>)| self.excess_of(k, predicted).powi(2);
+            let squares: f64 = predictions.iter().enumerate().map(square).sum();
+            return (squares / predictions.len().max(1) as f64).sqrt();
         }
         let left = self.left(predictions);
         let mut values = vec![0; self.processes];
@@ -378,8 +380,10 @@ mod tests {
         let off = |fraction: f64| values(&|i| (0.1 * i).sin() + fraction * size);
         let excess = |of: [f64; 2]| data.excess(&of.map(off));
         assert_eq!(excess([0.003, 0.002]), 0.0);
+        assert_eq!(data.unexplained(&[0.003, 0.002].map(off)), 0.0);
         for other in [0.0, 0.003, 0.005] {
             assert!((excess([0.005, other]) - 0.004).abs() < 1e-9, "{other}");
         }
+        assert!((data.unexplained(&[0.005, 0.0].map(off)) - 0.004 / 2.0_f64.sqrt()).abs() < 1e-9);
     }
 }

@@ -216,7 +216,7 @@ pub(super) fn doubt(data: &Measured, of: &Posterior) -> Result<f64, String> {
 
 /// Log evidence that the residual of `predictions`, however small, is more than the noise that is known.
 pub(super) fn beyond_noise(data: &Measured, predictions: &[Vec<f64>]) -> f64 {
-    discrepancy::larger_noise(data, predictions).map_or(f64::NEG_INFINITY, |(gain, _)| gain)
+    discrepancy::larger_noise(data, predictions, |_| true).map_or(f64::NEG_INFINITY, |(gain, _)| gain)
 }
 
 /// `model` with those of its parameters that `free` names fitted to one record.

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::discrepancy;
+use super::discrepancy::{self, Discrepancy};
 use super::joint::Tangents;
 use super::looks::moved;
 use super::measured::Measured;
@@ -10,7 +10,7 @@ use super::posterior::Posterior;
 use super::probe::{self, Prepared, Probe, Probed, SIZES, SMALL};
 use super::set::{Set, best_of_each, evidence, of_size};
 use super::unknown::Unknown;
-use crate::model::Model;
+use crate::model::{Model, Structure};
 
 /// What a line must promise (in nats) to be worth a fit where something is missing; where nothing is, the log evidence
 /// behind the best, and the fraction of a relevant change.
@@ -333,7 +333,11 @@ pub(super) fn promising(probes: Vec<Probe>) -> Vec<Probe> {
 /// Whether `set` lacks nothing that `doubt` stands for; without a doubt, nothing relevant beyond the noise.
 pub(super) fn is_adequate(data: &Measured, set: &Set, doubt: Option<&Set>) -> bool {
     let is_noise = || data.unexplained(&set.posterior.predictions) < data.assumptions().relevant;
-    doubt.map_or_else(is_noise, |doubt| evidence(doubt) < evidence(set))
+    let Some(doubt) = doubt else { return is_noise() };
+    // No force at the contact of a structure stands for what is missing elsewhere.
+    let elsewhere = set.posterior.model.structure != Structure::Prescribed
+        && doubt.discrepancy == Some(Discrepancy::Force);
+    evidence(doubt) < evidence(set) && (!elsewhere || is_noise())
 }
 
 #[cfg(test)]

@@ -162,7 +162,7 @@ impl Decision {
             Ok(again) => evidence::beyond_noise(all, &again.predictions),
             Err(_) => evidence::beyond_noise(test, &foretold),
         };
-        Ok(left > against && test.excess(&foretold) >= context.data.assumptions().relevant)
+        Ok(left > against && test.unexplained(&foretold) >= context.data.assumptions().relevant)
     }
 
     /// After a look at what could have been seen beside the best set, which may take back that nothing is missing.

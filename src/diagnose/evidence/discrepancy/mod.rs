@@ -3,16 +3,16 @@
 //! It is a force over displacement, velocity, distance since the last reversal, time and what the motion was shortly before, as
 //! it is and as a factor of the force: small `tables` with normal weights. A contact that is moved as measured shows it as it is;
 //! on a structure it would make the simulation diverge, and there it is a larger, coloured residual. Where the noise is unknown that
-//! is nothing else than noise, and the force is what a structure passes on of it to first order (`passed_on`).
+//! is nothing else than noise, and the force is what a structure passes on of it to first order (`responses`).
 
-mod passed_on;
+mod responses;
 mod tables;
 
 use nalgebra::{DMatrix, DVector};
 
 use super::joint::Joint;
 use super::latent::Latent;
-use super::measured::Measured;
+use super::measured::{Measured, MeasuredChannel};
 use super::noise_prior::NoisePrior;
 use super::posterior::{HERE, Posterior, white_round};
 use crate::fit::Sums;
@@ -48,10 +48,16 @@ pub(super) struct Doubt {
     pub predictions: Vec<Vec<f64>>,
 }
 
-/// What the noise may be beside a discrepancy, with a residual of `alpha` of each channel that is none.
-fn released(data: &Measured, alpha: f64) -> Vec<Vec<NoisePrior>> {
+/// What the noise may be beside a discrepancy, with a residual of `alpha` of each channel that is none, of the records that it
+/// `concerns`.
+fn released(data: &Measured, alpha: f64, concerns: impl Fn(usize) -> bool) -> Vec<Vec<NoisePrior>> {
     let release = |prior: NoisePrior, size: f64| prior.released(alpha * size, data.assumptions().magnitude);
-    data.channels.iter().map(|of| of.iter().map(|c| release(c.prior, c.size)).collect()).collect()
+    let of = |(k, channels): (usize, &Vec<MeasuredChannel>)| {
+        let concerned = concerns(k);
+        let prior = |c: &MeasuredChannel| if concerned { release(c.prior, c.size) } else { c.prior };
+        channels.iter().map(prior).collect()
+    };
+    data.channels.iter().enumerate().map(of).collect()
 }
 
 /// The discrepancy about `posterior` that has the most evidence.
@@ -60,13 +66,14 @@ pub(super) fn about(data: &Measured, posterior: &Posterior) -> Result<Doubt, Str
     if !moved && data.noise_is_known() {
         return residual(data, posterior);
     }
-    let columns = if moved { tables::columns(data, posterior) } else { passed_on::columns(data, posterior)? };
+    let columns = if moved { tables::columns(data, posterior) } else { responses::columns(data, posterior)? };
     let force = force(data, posterior, columns)?;
-    // What the noise may be beside it then stands for all that is missing: it does not follow the motion.
-    if data.relevance(&force.predictions, &posterior.predictions) < data.assumptions().relevant {
-        return residual(data, posterior).or(Ok(force));
+    if data.relevance(&force.predictions, &posterior.predictions) >= data.assumptions().relevant {
+        return Ok(force);
     }
-    Ok(force)
+    // What the noise may be beside it then stands for all that is missing: it does not follow the motion.
+    let residual = residual(data, posterior);
+    if moved { residual.or(Ok(force)) } else { residual }
 }
 
 /// A residual of its own: the same predictions under a noise that may be larger than told.
@@ -74,11 +81,17 @@ fn residual(data: &Measured, posterior: &Posterior) -> Result<Doubt, String> {
     if !data.noise_is_known() {
         return Err("without a known noise a residual of its own is nothing else".to_owned());
     }
-    if data.excess(&posterior.predictions) < data.assumptions().relevant {
+    let predictions = &posterior.predictions;
+    let relevant = data.assumptions().relevant;
+    // A structure shows all that is missing as a residual, a moved contact only what does not follow its motion.
+    let moved = posterior.model.structure == Structure::Prescribed;
+    let excess = if moved { data.unexplained(predictions) } else { data.excess(predictions) };
+    if excess < relevant {
         return Err("the residual is not relevantly larger than the noise".to_owned());
     }
-    let (gain, priors) =
-        larger_noise(data, &posterior.predictions).ok_or("no size of a residual is tried")?;
+    // Of a noise that is a little larger than told in all records no one of them makes a residual of its own.
+    let shows = |k: usize| moved || data.excess_of(k, &predictions[k]) >= relevant;
+    let (gain, priors) = larger_noise(data, predictions, shows).ok_or("no size of a residual is tried")?;
     Ok(Doubt {
         kind: Discrepancy::Residual,
         log_evidence: posterior.log_evidence + gain,
@@ -89,12 +102,16 @@ fn residual(data: &Measured, posterior: &Posterior) -> Result<Doubt, String> {
     })
 }
 
-/// The size of a residual of its own that `predictions` speak for most: by how much more than for the noise that was told,
-/// and what the noise may be beside it.
-pub(super) fn larger_noise(data: &Measured, predictions: &[Vec<f64>]) -> Option<(f64, Vec<Vec<NoisePrior>>)> {
+/// The size of a residual of its own that `predictions` speak for most, in the records that it `concerns`: by how much more than
+/// for the noise that was told, and what the noise may be beside it.
+pub(super) fn larger_noise(
+    data: &Measured,
+    predictions: &[Vec<f64>],
+    concerns: impl Fn(usize) -> bool,
+) -> Option<(f64, Vec<Vec<NoisePrior>>)> {
     let told = data.log_score(predictions);
     let under = |alpha: f64| {
-        let priors = released(data, alpha);
+        let priors = released(data, alpha, &concerns);
         (data.log_score_under(&priors, predictions) - told, priors)
     };
     data.assumptions().discrepancies().map(under).max_by(|a, b| a.0.total_cmp(&b.0))
@@ -108,7 +125,9 @@ fn force(data: &Measured, posterior: &Posterior, mut latent: Latent) -> Result<D
     shared.resize(weights.end, 0.0);
     let mut joint = Joint::new(data, &posterior.model, &posterior.unknowns, &latent)?;
     let y = white_round(&mut joint, &shared, HERE)?;
-    joint.priors = released(data, 0.0);
+    if posterior.model.structure == Structure::Prescribed {
+        joint.priors = released(data, 0.0, |_| true);
+    }
     let mut best: Option<Solved> = None;
     for _ in 0..ROUNDS {
         // What was found last taken off, the residuals show the noise.
@@ -153,4 +172,75 @@ fn solve(sums: &Sums, constant: f64, weights: &std::ops::Range<usize>, alpha: f6
     let volume = half_log_det + weights.len() as f64 * alpha.ln();
     let log_evidence = constant - sums.cost - 0.5 * gradient.dot(&step) - volume;
     log_evidence.is_finite().then_some(Solved { alpha, log_evidence, step })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::Dataset;
+    use crate::diagnose::Assumptions;
+    use crate::diagnose::diagnosis::{Noise, NoiseSource};
+    use crate::diagnose::evidence::first;
+    use crate::diagnose::evidence::samples::{from_rest, oscillator};
+    use crate::diagnose::measurements::weighted_dataset::WeightedDataset;
+    use crate::fit::predict::predict;
+
+    const RECORDS: usize = 16;
+
+    /// By how much a residual of its own is likelier than noise, if it is one: of a structure's records with noise as `told` and
+    /// `real`, and a wave, all as fractions of the channel.
+    fn gained(
+        told: impl Fn(usize) -> f64,
+        real: impl Fn(usize) -> f64,
+        wave: impl Fn(usize) -> f64,
+    ) -> Option<f64> {
+        let model = oscillator(2e3, 0.4);
+        let record = |k: usize| {
+            let mut record = from_rest(6.0 + k as f64);
+            record.channels[2].values = predict(&model, &record).unwrap()[0].values.clone();
+            record
+        };
+        let dataset = Dataset { title: None, records: (0..RECORDS).map(record).collect() };
+        let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
+        let size = |k: usize| 1.0 / bench.lanes[k].scales[0];
+        let noise = |record: usize| Noise {
+            record,
+            channel: "displacement:m1".into(),
+            deviation: Some(told(record) * size(record)),
+            log_error: 0.0,
+            source: NoiseSource::Stated,
+        };
+        let (all, noise): (Vec<usize>, Vec<Noise>) = (0..RECORDS).map(|k| (k, noise(k))).unzip();
+        let data = Measured::new(&bench, &all, &noise, &[]);
+        let (mut posterior, _) = first(&data, None, &model).unwrap();
+        let mut random = fastrand::Rng::with_seed(5);
+        // Of deviation one.
+        let mut white = || 2.0 * (random.f64() + random.f64() + random.f64() - 1.5);
+        for (k, predicted) in posterior.predictions.iter_mut().enumerate() {
+            predicted.copy_from_slice(&data.lane(k).measured);
+            for (i, value) in predicted.iter_mut().enumerate() {
+                let wave = wave(k) * 2.0_f64.sqrt() * (0.1 * i as f64).sin();
+                *value += size(k) * (real(k) * white() + wave);
+            }
+        }
+        residual(&data, &posterior).ok().map(|doubt| doubt.log_evidence - posterior.log_evidence)
+    }
+
+    #[test]
+    fn what_a_few_records_of_a_structure_show_is_a_residual_of_its_own() {
+        let certain = Assumptions::default().certainty();
+        for few in [2, 4] {
+            let gain = gained(|_| 0.003, |_| 0.003, |k| if k < few { 0.012 } else { 0.0 });
+            assert!(gain.is_some_and(|gain| gain > certain), "{few}: {gain:?}");
+        }
+        let gain = gained(|_| 0.003, |_| 0.003, |_| 0.008);
+        assert!(gain.is_none(), "{gain:?}");
+    }
+
+    #[test]
+    fn a_noise_a_little_larger_than_told_is_none() {
+        let at = |k: usize| if k == 0 { 0.02 } else { 0.003 };
+        let gain = gained(at, |k| 1.15 * at(k), |_| 0.0);
+        assert!(gain.is_none_or(|gain| gain < 1.5), "{gain:?}");
+    }
 }

@@ -11,7 +11,7 @@ const NODES: [usize; 3] = [9, 6, 7];
 const MEMORIES: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
 
 /// How a contact moves through one record.
-pub(super) struct Moved<'m> {
+pub(super) struct ContactMotion<'m> {
     pub motion: &'m Motion,
     /// Instants of its samples (s), where they are told.
     pub time: Option<&'m [f64]>,
@@ -29,12 +29,12 @@ pub(super) struct Extremes {
 
 impl Extremes {
     /// Over all that `moved`.
-    pub fn of<'m>(moved: impl Iterator<Item = Moved<'m>> + Clone) -> Self {
+    pub fn of<'m>(moved: impl Iterator<Item = ContactMotion<'m>> + Clone) -> Self {
         let motions = || moved.clone().map(|one| one.motion);
         let places = || motions().flat_map(|motion| motion.values.iter().copied());
         let [low, high] =
             [places().fold(f64::INFINITY, f64::min), places().fold(f64::NEG_INFINITY, f64::max)];
-        let length = |one: Moved| Some(one.time?.last()? - one.time?.first()?);
+        let length = |one: ContactMotion| Some(one.time?.last()? - one.time?.first()?);
         Self {
             middle: 0.5 * (low + high),
             reach: f64::MIN_POSITIVE.max(0.5 * (high - low)),
@@ -57,7 +57,7 @@ pub(super) fn columns(data: &Measured, posterior: &Posterior) -> Latent {
     let motions: Vec<Option<Motion>> = (0..data.records.len()).map(motion).collect();
     let moved = |k: usize| {
         let time = data.lane(k).record.time();
-        motions[k].as_ref().map(|motion| Moved { motion, time })
+        motions[k].as_ref().map(|motion| ContactMotion { motion, time })
     };
     let extremes = Extremes::of((0..motions.len()).filter_map(moved));
     let size = |process: usize| {
@@ -97,8 +97,8 @@ fn hats(nodes: usize, count: usize, x: impl Fn(usize) -> f64) -> Vec<Vec<f64>> {
 }
 
 /// What may follow a motion under the `predicted` force, of size one.
-pub(super) fn of_force(moved: &Moved, predicted: &[f64], most: &Extremes) -> Vec<Vec<f64>> {
-    let Moved { motion, time } = moved;
+pub(super) fn of_force(moved: &ContactMotion, predicted: &[f64], most: &Extremes) -> Vec<Vec<f64>> {
+    let ContactMotion { motion, time } = moved;
     let (n, largest) = (predicted.len(), largest(predicted.iter().copied()));
     let by_force = |columns: Vec<Vec<f64>>| -> Vec<Vec<f64>> {
         let times = |column: Vec<f64>| column.iter().zip(predicted).map(|(x, f)| x * f / largest).collect();
