@@ -325,7 +325,7 @@ mod tests {
     use super::*;
     use crate::data::{Channel, Dataset, Record, Regime};
     use crate::diagnose::diagnosis::NoiseSource;
-    use crate::diagnose::evidence::samples::slider;
+    use crate::diagnose::evidence::samples::{moved, slider};
 
     const COUNT: usize = 1000;
 
@@ -358,15 +358,9 @@ mod tests {
     #[test]
     fn more_than_noise_is_what_one_record_shows_and_others_do_not() {
         let model = slider("");
-        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
-        let values = |of: &dyn Fn(f64) -> f64| (0..COUNT).map(|i| of(i as f64)).collect::<Vec<f64>>();
-        let channels = vec![
-            channel("time", "s", values(&|i| 1e-3 * i)),
-            channel("displacement", "m", values(&|i| 1e-6 * (0.1 * i).sin())),
-            channel("force", "N", values(&|i| (0.1 * i).sin())),
-        ];
-        let record = Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels };
+        let record = moved(&model, 200, 1e-3, |i| 1e-6 * (0.1 * f64::from(i)).sin());
         let dataset = Dataset { title: None, records: vec![record.clone(), record] };
+        let force = &dataset.records[0].channels[2].values;
         let bench = WeightedDataset::new(&model, &dataset, Assumptions::default(), None).unwrap();
         let size = 1.0 / bench.lanes[0].scales[0];
         let told = [0, 1].map(|record| Noise {
@@ -377,7 +371,7 @@ mod tests {
             source: NoiseSource::Stated,
         });
         let data = Measured::new(&bench, &[0, 1], &told, &[]);
-        let off = |fraction: f64| values(&|i| (0.1 * i).sin() + fraction * size);
+        let off = |fraction: f64| force.iter().map(|force| force + fraction * size).collect::<Vec<f64>>();
         let excess = |of: [f64; 2]| data.excess(&of.map(off));
         assert_eq!(excess([0.003, 0.002]), 0.0);
         assert_eq!(data.unexplained(&[0.003, 0.002].map(off)), 0.0);

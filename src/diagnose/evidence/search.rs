@@ -10,7 +10,7 @@ use super::posterior::Posterior;
 use super::probe::{self, Prepared, Probe, Probed, SIZES, SMALL};
 use super::set::{Set, best_of_each, evidence, of_size};
 use super::unknown::Unknown;
-use crate::model::{Model, Structure};
+use crate::model::Model;
 
 /// What a line must promise (in nats) to be worth a fit where something is missing; where nothing is, the log evidence
 /// behind the best, and the fraction of a relevant change.
@@ -335,8 +335,7 @@ pub(super) fn is_adequate(data: &Measured, set: &Set, doubt: Option<&Set>) -> bo
     let is_noise = || data.unexplained(&set.posterior.predictions) < data.assumptions().relevant;
     let Some(doubt) = doubt else { return is_noise() };
     // No force at the contact of a structure stands for what is missing elsewhere.
-    let elsewhere = set.posterior.model.structure != Structure::Prescribed
-        && doubt.discrepancy == Some(Discrepancy::Force);
+    let elsewhere = !discrepancy::is_moved(&set.posterior) && doubt.discrepancy == Some(Discrepancy::Force);
     evidence(doubt) < evidence(set) && (!elsewhere || is_noise())
 }
 

@@ -60,13 +60,19 @@ fn released(data: &Measured, alpha: f64, concerns: impl Fn(usize) -> bool) -> Ve
     data.channels.iter().enumerate().map(of).collect()
 }
 
+/// Whether it is of a contact that is moved as measured, which shows a force as it is.
+pub(super) fn is_moved(posterior: &Posterior) -> bool {
+    posterior.model.structure == Structure::Prescribed
+}
+
 /// The discrepancy about `posterior` that has the most evidence.
 pub(super) fn about(data: &Measured, posterior: &Posterior) -> Result<Doubt, String> {
-    let moved = posterior.model.structure == Structure::Prescribed;
+    let moved = is_moved(posterior);
     if !moved && data.noise_is_known() {
         return residual(data, posterior);
     }
-    let columns = if moved { tables::columns(data, posterior) } else { responses::columns(data, posterior)? };
+    let columns =
+        if moved { tables::columns(data, posterior) } else { responses::columns(data, &posterior.model)? };
     let force = force(data, posterior, columns)?;
     if data.relevance(&force.predictions, &posterior.predictions) >= data.assumptions().relevant {
         return Ok(force);
@@ -84,7 +90,7 @@ fn residual(data: &Measured, posterior: &Posterior) -> Result<Doubt, String> {
     let predictions = &posterior.predictions;
     let relevant = data.assumptions().relevant;
     // A structure shows all that is missing as a residual, a moved contact only what does not follow its motion.
-    let moved = posterior.model.structure == Structure::Prescribed;
+    let moved = is_moved(posterior);
     let excess = if moved { data.unexplained(predictions) } else { data.excess(predictions) };
     if excess < relevant {
         return Err("the residual is not relevantly larger than the noise".to_owned());
@@ -125,7 +131,7 @@ fn force(data: &Measured, posterior: &Posterior, mut latent: Latent) -> Result<D
     shared.resize(weights.end, 0.0);
     let mut joint = Joint::new(data, &posterior.model, &posterior.unknowns, &latent)?;
     let y = white_round(&mut joint, &shared, HERE)?;
-    if posterior.model.structure == Structure::Prescribed {
+    if is_moved(posterior) {
         joint.priors = released(data, 0.0, |_| true);
     }
     let mut best: Option<Solved> = None;

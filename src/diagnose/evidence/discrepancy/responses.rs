@@ -8,7 +8,6 @@ use crate::data::{Channel, Record, Regime};
 use crate::diagnose::evidence::joint::{first_failure, minus};
 use crate::diagnose::evidence::latent::Latent;
 use crate::diagnose::evidence::measured::{Measured, MeasuredChannel};
-use crate::diagnose::evidence::posterior::Posterior;
 use crate::effects::Part;
 use crate::fit::predict::{Motion, predict};
 use crate::model::{Model, Structure};
@@ -28,8 +27,7 @@ struct OfContact {
 ///
 /// # Errors
 /// Why there are none: only oscillators from rest pass a force on without any other change of their past.
-pub(super) fn columns(data: &Measured, posterior: &Posterior) -> Result<Latent, String> {
-    let model = &posterior.model;
+pub(super) fn columns(data: &Measured, model: &Model) -> Result<Latent, String> {
     let mass = match &model.structure {
         Structure::Oscillator(structure) => structure.contact.map(|at| structure.masses[at].name.as_str()),
         _ => None,
@@ -45,11 +43,11 @@ pub(super) fn columns(data: &Measured, posterior: &Posterior) -> Result<Latent, 
     let motion = |k: usize| ContactMotion { motion: &contacts[k].motion, time: record(k).time() };
     let extremes = Extremes::of((0..count).map(motion));
     let strongest = largest(contacts.iter().flat_map(|contact| contact.force.iter().copied()));
-    let responses = |k: usize| {
+    let of_record = |k: usize| {
         let tables = of_force(&motion(k), &contacts[k].force, &extremes);
         responses(data, model, k, (mass, SECANT * strongest), &tables)
     };
-    let responses = first_failure((0..count).into_par_iter().map(responses))?;
+    let responses = first_failure((0..count).into_par_iter().map(of_record))?;
     data.bench.count(responses.iter().map(|of| 3 + of.len()).sum());
     Ok(of_size_one(data, responses))
 }
