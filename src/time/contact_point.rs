@@ -19,12 +19,14 @@ pub(crate) struct ContactPoint {
     /// and yields as fast as the force changes.
     pub flexibility: f64,
     pub series: f64,
-    /// By how much it moves slower per force above the guess (m/(s N)), not negative.
+    /// By how much it moves slower per force above `placed` (m/(s N)), not negative.
     pub slowing: f64,
     /// The law's tangent by displacement (N/m) to begin with.
     pub tangent: f64,
     /// Normal load (N).
     pub normal_load: f64,
+    /// Force (N) under which it has that velocity.
+    pub placed: f64,
     /// First guess of the force (N).
     pub guess: f64,
     /// Residual accepted, relative to the force and to what the displacement rounds it by.
@@ -45,7 +47,7 @@ impl ContactPoint {
     pub fn solve(&self, law: &dyn ContactLaw, state: &[f64], next: &mut [f64]) -> Option<(Response, f64)> {
         let mut force = if self.flexibility == 0.0 { 0.0 } else { self.guess };
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut velocity = self.yielded(self.velocity, self.tangent);
+        let mut velocity = self.yielded(self.velocity - self.slowing * (force - self.placed), self.tangent);
         // A force that falls with the velocity may answer by more than itself.
         let reach = if self.slowing == 0.0 { 1.0 } else { 2.0 };
         for evaluation in 0..EVALUATIONS {
@@ -77,7 +79,7 @@ impl ContactPoint {
                 return Some((response, displacement));
             }
             force = following;
-            velocity = self.yielded(self.velocity - self.slowing * (force - self.guess), tangent);
+            velocity = self.yielded(self.velocity - self.slowing * (force - self.placed), tangent);
         }
         None
     }
@@ -106,6 +108,7 @@ mod tests {
             slowing: 0.0,
             tangent: 0.0,
             normal_load,
+            placed: guess,
             guess,
             precision: EXACT,
         };

@@ -6,8 +6,9 @@
 //! and slip, where a corner falls somewhere into a step. The bow of those parabolas is added once the forces at the end are
 //! found with straight lines, so that the end of a step is as smooth in its beginning as the laws are.
 
+use super::coefficients::{PRECISION, SWEEPS, bow};
 use super::integrator::Integrator;
-use super::node::{PRECISION, SWEEPS, bow};
+use super::node::Answer;
 use super::propagator::{END, MIDDLE, NODES};
 use super::step::{Span, StepSolver};
 use super::{IntegrationError, Motion, Ramp, Settings};
@@ -76,6 +77,12 @@ impl Integrator {
         &mut self.solver.ramps
     }
 
+    /// Brings the forcing to where a stride ended, which reads sensors of accelerations; a linear plant goes on without it.
+    #[cfg(feature = "analysis")]
+    pub(crate) fn force_end(&mut self) {
+        self.solver.force_modes(0, 1.0);
+    }
+
     /// Marches on under the inputs there are; `tried` sees each step before it is taken.
     pub(crate) fn stride(
         &mut self,
@@ -124,99 +131,92 @@ impl StepSolver {
     fn try_equal(&mut self, span: &Span) -> bool {
         if self.plant.follows_displacement() {
             self.begin(&[MIDDLE, END]);
+            self.go_on(span);
+            self.follow(span);
+        } else {
+            self.go_on(span);
+            let ([q0, .., q4], [v0, .., v4]) = (&mut self.q, &mut self.v);
+            self.equal.end([q0, v0], [q4, v4]);
         }
-        for (e, contact) in self.plant.contacts.iter().enumerate() {
-            let [middle, end] = match contact.law {
-                Some(_) => {
-                    let (force, rise) = (self.nodes[e][0].force, span.step * self.force_rate(0, e, span));
-                    [force + 0.5 * rise, force + rise]
-                }
-                None => [0.5, 1.0].map(|node| self.ramps[contact.input].at(span.fraction(node))),
-            };
-            self.nodes[e][END] = self.nodes[e][0];
-            (self.nodes[e][MIDDLE].force, self.nodes[e][END].force) = (middle, end);
-        }
-        self.force_ends(span);
-        self.place_end();
+        self.geometry(END);
         if !self.balance(span) {
             return false;
         }
         for e in 0..self.plant.contacts.len() {
             if self.plant.contacts[e].law.is_some() {
-                let (before, after) = (self.force_rate(0, e, span), self.force_rate(END, e, span));
-                self.shift(e, [bow(span.step * (before - after)), 0.0]);
+                let less = self.equal.rises[e] - span.step * self.force_rate(END, e, span);
+                self.equal.bend(e, bow(less), [&mut self.q[END], &mut self.v[END]]);
             }
         }
         true
     }
 
-    /// Modal state and forcing at the end.
-    fn place_end(&mut self) {
-        let ([q0, .., q4], [v0, .., v4]) = (&mut self.q, &mut self.v);
-        let [p0, _, p2, _, p4] = &mut self.forcing;
-        let rows = self.propagators[self.current].node(END);
-        self.equal.end(rows, [q0, v0, p0, p2, p4], [q4, v4, &mut self.pushed]);
-        std::mem::swap(p4, &mut self.pushed);
+    /// All forces where those of laws go on as they begin.
+    fn go_on(&mut self, span: &Span) {
+        let at = [span.from, span.fraction(NODES[MIDDLE]), span.to];
+        for (input, ramp) in self.ramps[..self.plant.driven.len()].iter().enumerate() {
+            self.equal.force(input).copy_from_slice(&at.map(|fraction| ramp.at(fraction)));
+        }
+        for e in 0..self.plant.contacts.len() {
+            let input = self.plant.contacts[e].input;
+            let forces = if self.plant.contacts[e].law.is_some() {
+                let (force, rise) = (self.nodes[e][0].force, span.step * self.force_rate(0, e, span));
+                self.equal.rises[e] = rise;
+                [force, force + 0.5 * rise, force + rise]
+            } else {
+                at.map(|fraction| self.ramps[input].at(fraction))
+            };
+            self.equal.force(input).copy_from_slice(&forces);
+            let [start, _, middle, _, end] = &mut self.nodes[e];
+            [_, middle.force, end.force] = forces;
+            end.tangent = start.tangent;
+        }
     }
 
-    /// Forcing at the middle and at the end of a step: forces that are known there, and those that follow the motion by
-    /// what it is under them.
-    fn force_ends(&mut self, span: &Span) {
-        if self.plant.follows_displacement() {
-            for node in [MIDDLE, END, MIDDLE, END] {
-                self.place(node);
-                self.geometry(node);
-                self.force_modes(node, span.fraction(NODES[node]));
-            }
-            return;
+    /// The end where forces follow displacements, by what the motion is under them.
+    fn follow(&mut self, span: &Span) {
+        for node in [MIDDLE, END, MIDDLE, END] {
+            self.place(node);
+            self.geometry(node);
+            self.force_modes(node, span.fraction(NODES[node]));
         }
-        let [.., at_middle, _, at_end] = &mut self.forcing;
-        at_middle.fill(0.0);
-        at_end.fill(0.0);
-        let mut push = |port: usize, middle: f64, end: f64| {
-            let at = at_middle.iter_mut().zip(at_end.iter_mut());
-            for ((at_middle, at_end), b) in at.zip(&self.plant.ports[port].row) {
-                *at_middle += middle * b;
-                *at_end += end * b;
-            }
-        };
-        let middle = span.fraction(NODES[MIDDLE]);
-        for (port, ramp) in self.plant.driven.iter().zip(&self.ramps) {
-            push(*port, ramp.at(middle), ramp.at(span.to));
-        }
-        for (e, contact) in self.plant.contacts.iter().enumerate() {
-            push(contact.port, -self.nodes[e][MIDDLE].force, -self.nodes[e][END].force);
-        }
+        self.place(END);
     }
 
     /// Forces at the placed end of the step, on straight lines from its start. False if a law fails.
     fn balance(&mut self, span: &Span) -> bool {
-        for _ in 0..SWEEPS {
-            self.geometry(END);
+        for sweep in 0..SWEEPS {
+            if sweep > 0 && self.plant.follows_displacement() {
+                self.geometry(END);
+            }
             let (mut moved, mut size) = (0.0_f64, 0.0_f64);
             for e in 0..self.plant.contacts.len() {
+                if self.plant.contacts[e].law.is_none() {
+                    continue;
+                }
                 let guess = self.nodes[e][END].force;
-                if self.ask(e, END, span.to, self.equal.answers[e]).is_none() {
+                let from = Some(if sweep == 0 { 0 } else { END });
+                let answer = Answer { from, ..self.equal.answers[e] };
+                if self.ask(e, END, span.to, answer).is_none() {
                     return false;
                 }
                 let force = self.nodes[e][END].force;
-                self.shift(e, [0.5 * (force - guess), force - guess]);
+                self.shift(e, force - guess);
                 (moved, size) = (moved.max((force - guess).abs()), size.max(force.abs()));
             }
-            if !self.plant.interacts() || moved <= PRECISION * size {
+            if !self.plant.interacts || moved <= PRECISION * size {
                 break;
             }
         }
         true
     }
 
-    /// Moves the end of the step as a force at a port does that is larger by so much (N) at the middle and at the end.
-    fn shift(&mut self, e: usize, [middle, end]: [f64; 2]) {
-        let state = self.q[END].iter_mut().zip(&mut self.v[END]).zip(&mut self.forcing[END]);
-        for (((q, v), p), [by_q, by_v, by_p]) in state.zip(&self.equal.pushed[e]) {
-            *q -= by_q[0] * middle + by_q[1] * end;
-            *v -= by_v[0] * middle + by_v[1] * end;
-            *p -= by_p[0] * middle + by_p[1] * end;
+    /// Moves the end of the step as a law's force does that grows to be larger by so much (N).
+    fn shift(&mut self, e: usize, by: f64) {
+        self.equal.shift(e, by, [&mut self.q[END], &mut self.v[END]]);
+        for (nodes, [by_u, by_v]) in self.nodes.iter_mut().zip(self.equal.shift_of_ports(e)) {
+            nodes[END].geometric_displacement += by_u * by;
+            nodes[END].geometric_velocity += by_v * by;
         }
     }
 
@@ -232,7 +232,6 @@ impl StepSolver {
     fn take_equal(&mut self, span: &Span) -> bool {
         self.q.swap(0, END);
         self.v.swap(0, END);
-        self.forcing.swap(0, END);
         std::mem::swap(&mut self.memory, &mut self.memory_next);
         if !self.drop_negligible() {
             return false;

@@ -42,6 +42,7 @@
 //! reads it, and `tangent` carries a small change of the inputs along.
 
 mod classical;
+mod coefficients;
 mod contact_point;
 mod equal;
 mod error;

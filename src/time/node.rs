@@ -1,16 +1,7 @@
 //! A law at one node of a step, and how its port answers to it.
 
 use super::contact_point::{ContactPoint, EXACT};
-use super::plant::{Plant, add_product};
-use super::propagator::{END, MIDDLE, Propagator, Row, weighed};
 use crate::contact::{Inputs, Response, SlipState};
-
-/// Most sweeps where laws act on each other; each gains two digits or more.
-pub(crate) const SWEEPS: usize = 12;
-/// Residual of a force in an equal step, relative.
-pub(crate) const PRECISION: f64 = 1e-12;
-/// Rounds in which the damping between modes settles: each gains two digits or more.
-const ROUNDS: usize = 10;
 
 /// A law or an outside force at one node.
 #[derive(Debug, Clone, Copy)]
@@ -22,7 +13,7 @@ pub(crate) struct NodeContact {
     /// Energy taken since the start of the step (J).
     pub energy: f64,
     pub normal_load: f64,
-    /// u (m).
+    /// u (m), as the law was asked last.
     pub displacement: f64,
     /// u + a T (m) and its derivative (m/s): what the modes alone give.
     pub geometric_displacement: f64,
@@ -36,10 +27,12 @@ pub(crate) struct Answer {
     pub yielding: f64,
     pub slowing: f64,
     pub precision: f64,
+    /// The node from where the law goes on in a straight line to where its force is sought first.
+    pub from: Option<usize>,
 }
 
 impl Answer {
-    pub const NONE: Self = Self { yielding: 0.0, slowing: 0.0, precision: EXACT };
+    pub const NONE: Self = Self { yielding: 0.0, slowing: 0.0, precision: EXACT, from: None };
 }
 
 impl NodeContact {
@@ -75,9 +68,17 @@ impl NodeContact {
             slowing: answer.slowing,
             tangent: self.tangent,
             normal_load,
+            placed: self.force,
             guess: self.force,
             precision: answer.precision,
         }
+    }
+
+    /// The force at `point` of a law that goes on in a straight line from where it was asked last.
+    pub fn going_on(&self, point: &ContactPoint) -> f64 {
+        let by_load = self.load_tangent * (point.normal_load - self.normal_load);
+        let force = self.force + self.tangent * (point.displacement - self.displacement) + by_load;
+        force / (1.0 + self.tangent * point.flexibility)
     }
 
     pub fn store(&mut self, response: Response, displacement: f64, load: f64) {
@@ -98,111 +99,4 @@ impl NodeContact {
             normal_load: self.normal_load,
         }
     }
-}
-
-/// Coefficients of equal steps.
-#[derive(Debug, Clone)]
-pub(crate) struct EqualSteps {
-    /// Their length (s).
-    pub step: f64,
-    /// Under damping that couples modes: `q`, `v` and `p` of each mode at the end by all modes' `q₀`, `v₀`, `p₀` and forcing
-    /// at the middle and at the end. Empty without.
-    coupled: Vec<Vec<[f64; 3]>>,
-    /// How the ports of laws answer at the end to a force that grows on a straight line.
-    pub answers: Vec<Answer>,
-    /// `q`, `v` and `p` of the modes at the end by a port's unit force at the middle, and at the end.
-    pub pushed: Vec<Vec<[[f64; 2]; 3]>>,
-}
-
-impl EqualSteps {
-    /// For so many laws and outside forces; of no length yet.
-    pub fn new(contacts: usize) -> Self {
-        Self {
-            step: f64::NAN,
-            coupled: Vec::new(),
-            answers: vec![Answer::NONE; contacts],
-            pushed: vec![Vec::new(); contacts],
-        }
-    }
-
-    /// Writes `q`, `v` and `p` of all modes at the end by `by`: `q₀`, `v₀`, `p₀` and the forcing at the middle and at the
-    /// end; `rows` are the propagator's.
-    pub fn end(&self, rows: &[Row], by: [&[f64]; 5], [q, v, p]: [&mut [f64]; 3]) {
-        if self.coupled.is_empty() {
-            for (i, row) in rows.iter().enumerate() {
-                let by = by.map(|list| list[i]);
-                ([q[i], v[i]], p[i]) = (weighed(row, by), by[4]);
-            }
-            return;
-        }
-        for (((q, v), p), factors) in q.iter_mut().zip(v).zip(p).zip(&self.coupled) {
-            let (mut sums, mut factors) = ([-0.0; 3], factors.iter());
-            for list in by {
-                for (by, factors) in list.iter().zip(&mut factors) {
-                    sums.iter_mut().zip(factors).for_each(|(sum, factor)| *sum += factor * by);
-                }
-            }
-            [*q, *v, *p] = sums;
-        }
-    }
-
-    /// Fills the rest from the coefficients of this step.
-    pub fn fill(&mut self, plant: &Plant, propagator: &Propagator) {
-        self.coupled.clear();
-        let n = plant.size();
-        if !plant.damping.is_empty() && !plant.follows_displacement() {
-            let columns: Vec<[Vec<f64>; 3]> =
-                (0..5 * n).map(|column| damped(plant, propagator, column)).collect();
-            let of_mode = |i: usize| columns.iter().map(|[q, v, p]| [q[i], v[i], p[i]]).collect();
-            self.coupled.extend((0..n).map(of_mode));
-        }
-        let zero = vec![0.0; n];
-        for (e, contact) in plant.contacts.iter().enumerate() {
-            let row = &plant.ports[contact.port].row;
-            let [middle, end] = [[row, &zero], [&zero, row]].map(|[middle, end]| {
-                let [mut q, mut v, mut p] = [zero.clone(), zero.clone(), zero.clone()];
-                let by: [&[f64]; 5] = [&zero, &zero, &zero, middle, end];
-                self.end(propagator.node(END), by, [&mut q, &mut v, &mut p]);
-                (0..n).map(|i| [q[i], v[i], p[i]]).collect::<Vec<_>>()
-            });
-            let both = middle.iter().zip(&end).map(|(a, b)| [0, 1, 2].map(|part| [a[part], b[part]]));
-            self.pushed[e] = both.collect();
-            let terms = |part: usize| {
-                let terms = row.iter().zip(&self.pushed[e]);
-                terms.map(|(b, by)| b * (0.5 * by[part][0] + by[part][1])).sum::<f64>().max(0.0)
-            };
-            self.answers[e] = Answer { yielding: terms(0), slowing: terms(1), precision: PRECISION };
-        }
-    }
-}
-
-/// `q`, `v` and `p` at the end by the unit in `column` of what they depend on, the damping between modes included.
-fn damped(plant: &Plant, propagator: &Propagator, column: usize) -> [Vec<f64>; 3] {
-    let n = plant.size();
-    let mut by: [Vec<f64>; 5] = std::array::from_fn(|_| vec![0.0; n]);
-    by[column / n][column % n] = 1.0;
-    let forcing = [by[3].clone(), by[4].clone()];
-    let mut velocity = [by[1].clone(), by[1].clone()];
-    let mut end = [vec![0.0; n], vec![0.0; n], forcing[1].clone()];
-    for _ in 0..ROUNDS {
-        for (node, velocity) in velocity.iter().enumerate() {
-            let mut lost = vec![0.0; n];
-            add_product(&plant.damping, velocity, &mut lost);
-            let left = forcing[node].iter().zip(lost).map(|(p, lost)| p - lost);
-            by[3 + node] = left.collect();
-        }
-        let at = |(i, row): (usize, &Row)| weighed(row, std::array::from_fn::<_, 5, _>(|list| by[list][i]));
-        for (velocity, node) in velocity.iter_mut().zip([MIDDLE, END]) {
-            (end[0], *velocity) =
-                propagator.node(node).iter().enumerate().map(at).map(|[q, v]| (q, v)).unzip();
-        }
-        (end[1], end[2]) = (velocity[1].clone(), by[4].clone());
-    }
-    end
-}
-
-/// How far the middle of a parabola lies above the straight line if it rises by so much less at its end than at its start,
-/// over the step.
-pub(crate) fn bow(less: f64) -> f64 {
-    0.125 * less
 }

@@ -31,6 +31,8 @@ pub(crate) struct Plant {
     pub springs: Vec<Springs>,
     /// Length of what all laws remember.
     pub memory_len: usize,
+    /// Whether a law's force acts on that of another, or on springs.
+    pub interacts: bool,
     /// Coordinates by modes and modes by coordinates, where the core was not modal.
     shapes: Option<Shapes>,
 }
@@ -128,7 +130,10 @@ impl Plant {
         let (contacts, springs, memory_len) = elements(&system)?;
         check_ports(&system)?;
         let (angular_frequency, damping_ratio, damping) = modes;
+        let laws = contacts.iter().filter(|contact| contact.law.is_some()).count();
+        let interacts = laws > 1 || !(springs.is_empty() && system.shortening.is_empty());
         Ok(Self {
+            interacts,
             angular_frequency,
             damping_ratio,
             damping,
@@ -155,12 +160,6 @@ impl Plant {
     /// Whether they follow displacements or velocities.
     pub fn follows_motion(&self) -> bool {
         self.follows_displacement() || !self.damping.is_empty()
-    }
-
-    /// Whether a law's force acts on that of another, or on springs.
-    pub fn interacts(&self) -> bool {
-        let laws = self.contacts.iter().filter(|contact| contact.law.is_some()).count();
-        laws > 1 || self.follows_displacement()
     }
 
     /// Number of inputs: forces on the driven ports, then one of each law and outside force.

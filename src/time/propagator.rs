@@ -85,11 +85,12 @@ impl Propagator {
     }
 }
 
-/// `q` and `v` by these numbers, of which `row` has the factors.
-pub(crate) fn weighed<const N: usize>(row: &[[f64; 2]], by: [f64; N]) -> [f64; 2] {
+/// `q` and `v` by these `numbers`, of which `row` has the factors.
+#[inline(always)]
+pub(crate) fn weighed(row: &[[f64; 2]], numbers: &[f64]) -> [f64; 2] {
     let mut sums = [-0.0; 2];
-    for (factors, by) in row.iter().zip(by) {
-        sums.iter_mut().zip(factors).for_each(|(sum, factor)| *sum += factor * by);
+    for (factors, by) in row.iter().zip(numbers) {
+        sums = [sums[0] + factors[0] * by, sums[1] + factors[1] * by];
     }
     sums
 }
@@ -224,7 +225,7 @@ mod tests {
             };
             for (node, &at) in NODES.iter().enumerate().skip(1) {
                 let p = [forcing(0.0), forcing(0.5 * step), forcing(step)];
-                let [q, v] = weighed(&propagator.node(node)[0][2..], p);
+                let [q, v] = weighed(&propagator.node(node)[0][2..], &p);
                 let (q_exact, v_exact) = convolve(omega, zeta, at * step, forcing);
                 assert!((q - q_exact).abs() < 1e-10 * step * step, "{omega} {zeta} {node}: {q} {q_exact}");
                 assert!((v - v_exact).abs() < 1e-10 * step, "{omega} {zeta} {node}: {v} {v_exact}");
@@ -233,7 +234,7 @@ mod tests {
                 let sigma = s / step;
                 1.0 + sigma - 2.0 * sigma.powi(3) + 4.0 * sigma.powi(4)
             };
-            let [q, v] = weighed(&propagator.quartic[0], NODES.map(|node| quartic(node * step)));
+            let [q, v] = weighed(&propagator.quartic[0], &NODES.map(|node| quartic(node * step)));
             let (q_exact, v_exact) = convolve(omega, zeta, step, quartic);
             assert!((q - q_exact).abs() < 1e-10 * step * step);
             assert!((v - v_exact).abs() < 1e-10 * step);
@@ -262,7 +263,7 @@ mod tests {
         let end = propagator.node(END)[0];
         assert_eq!(end[0][0], 1.0);
         assert!((end[1][0] - 0.1).abs() < 1e-16);
-        let [q, _] = weighed(&end[2..], [1.0; 3]);
+        let [q, _] = weighed(&end[2..], &[1.0; 3]);
         assert!((q - 0.005).abs() < 1e-17);
     }
 }

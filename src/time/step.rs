@@ -1,8 +1,9 @@
 //! The state within a communication step: what is at its start, and taking over a step.
 
 use super::Ramp;
+use super::coefficients::EqualSteps;
 use super::motion::{ContactMotion, Motion};
-use super::node::{Answer, EqualSteps, NodeContact};
+use super::node::{Answer, NodeContact};
 use super::plant::{Plant, add_product};
 use super::propagator::{END, MIDDLE, Propagator};
 
@@ -107,7 +108,7 @@ impl StepSolver {
             pushed: vec![0.0; modes],
             propagators: [Propagator::new(modes), Propagator::new(modes)],
             current: 0,
-            equal: EqualSteps::new(plant.contacts.len()),
+            equal: EqualSteps::new(&plant),
             plant,
         }
     }
@@ -135,7 +136,7 @@ impl StepSolver {
                 continue;
             };
             if !moved(at, input) {
-                at.displacement -= flexibility * at.force;
+                at.displacement = at.geometric_displacement - flexibility * at.force;
                 continue;
             }
             let place = contact.memory.clone();
@@ -280,18 +281,15 @@ impl StepSolver {
         }
     }
 
-    /// G q, and displacement and velocity of every law's port as the modes give them; at node 0 of outside forces too.
+    /// G q, and displacement and velocity of the port of every law and outside force as the modes give them.
     pub fn geometry(&mut self, node: usize) {
         let (q, v) = (&self.q[node][..], &self.v[node][..]);
         if !self.plant.shortening.is_empty() {
             self.plant.shorten(q, &mut self.pull);
         }
         for (contact, nodes) in self.plant.contacts.iter().zip(&mut self.nodes) {
-            if node == 0 || contact.law.is_some() {
-                let (at, seen) = (&mut nodes[node], self.plant.ports[contact.port].motion(q, v, &self.pull));
-                (at.geometric_displacement, at.geometric_velocity) = seen;
-                at.displacement = seen.0;
-            }
+            let (at, port) = (&mut nodes[node], &self.plant.ports[contact.port]);
+            (at.geometric_displacement, at.geometric_velocity) = port.motion(q, v, &self.pull);
         }
     }
 

@@ -60,7 +60,7 @@ impl StepSolver {
             let rows = self.propagators[self.current].node(node);
             let start = self.q[0].iter().zip(&self.v[0]).zip(&self.forcing[0]);
             for ((due, row), ((q, v), p)) in self.due_to_start[node].iter_mut().zip(rows).zip(start) {
-                *due = weighed(&row[..3], [*q, *v, *p]);
+                *due = weighed(&row[..3], &[*q, *v, *p]);
             }
         }
         let (first, rest) = self.forcing.split_at_mut(1);
@@ -134,17 +134,20 @@ impl StepSolver {
     /// A law or an outside force at a placed node, at `fraction` of the communication step. `None` if a law fails.
     pub fn ask(&mut self, e: usize, node: usize, fraction: f64, answer: Answer) -> Option<()> {
         let contact = &self.plant.contacts[e];
-        let (input, at) = (self.ramps[contact.input].at(fraction), &mut self.nodes[e][node]);
+        let input = self.ramps[contact.input].at(fraction);
+        let nodes = &mut self.nodes[e];
         let Some(law) = contact.law.as_deref() else {
-            at.force = input;
+            nodes[node].force = input;
             return Some(());
         };
-        let point = at.point(input, self.plant.ports[contact.port].flexibility, answer);
+        let mut point = nodes[node].point(input, self.plant.ports[contact.port].flexibility, answer);
+        if let Some(from) = answer.from {
+            point.guess = nodes[from].going_on(&point);
+        }
         let place = contact.memory.clone();
         let (before, next) = (&self.memory[place.clone()], &mut self.memory_next[place]);
         let (response, displacement) = point.solve(law, before, next)?;
-        at.geometric_velocity -= answer.slowing * (response.force - point.guess);
-        at.store(response, displacement, input);
+        nodes[node].store(response, displacement, input);
         Some(())
     }
 
@@ -156,7 +159,7 @@ impl StepSolver {
         let p: [&[f64]; 5] = std::array::from_fn(|j| &self.forcing[j][..]);
         let (mut error, mut norm) = (0.0, 0.0);
         for (i, (&omega, (start, forced))) in self.plant.angular_frequency.iter().zip(rows).enumerate() {
-            let [mut q, mut v] = weighed(&start[..2], [self.q[0][i], self.v[0][i]]);
+            let [mut q, mut v] = weighed(&start[..2], &[self.q[0][i], self.v[0][i]]);
             for (p, [by_q, by_v]) in p.iter().zip(forced) {
                 q += by_q * p[i];
                 v += by_v * p[i];
@@ -238,6 +241,7 @@ impl StepSolver {
                 slowing: 0.0,
                 tangent: 0.0,
                 normal_load: normal_load.at(span.fraction(at)),
+                placed: nodes[node].force,
                 guess: nodes[node].force,
                 precision: EXACT,
             }

@@ -144,8 +144,8 @@ impl Tangent {
         }
         let propagator = &solver.propagators[solver.current];
         for (i, (start, quartic)) in propagator.node(END).iter().zip(&propagator.quartic).enumerate() {
-            let due = weighed(&start[..2], [self.q[0][i], self.v[0][i]]);
-            let forced = weighed(quartic, std::array::from_fn::<_, 5, _>(|j| self.p[j][i]));
+            let due = weighed(&start[..2], &[self.q[0][i], self.v[0][i]]);
+            let forced = weighed(quartic, &self.p.each_ref().map(|p| p[i]));
             (self.q[0][i], self.v[0][i]) = (due[0] + forced[0], due[1] + forced[1]);
         }
     }

@@ -1,7 +1,8 @@
 //! An equal step, linear in a change: sweep by sweep what the step itself does.
 
 use super::super::Ramp;
-use super::super::node::{Answer, SWEEPS, bow};
+use super::super::coefficients::{SWEEPS, bow};
+use super::super::node::Answer;
 use super::super::propagator::{END, MIDDLE, NODES};
 use super::super::step::{Span, StepSolver};
 use super::{PAIR, Tangent, inputs};
@@ -37,7 +38,7 @@ impl Tangent {
         for _ in 0..if plant.follows_motion() { 2 } else { 1 } {
             PAIR.into_iter().for_each(|node| self.push(solver, node, perturbed));
         }
-        for _ in 0..if plant.interacts() { SWEEPS } else { 1 } {
+        for _ in 0..if plant.interacts { SWEEPS } else { 1 } {
             self.place(solver, END, |change| &change.p);
             (0..plant.contacts.len()).for_each(|e| self.answer_at_end(solver, e));
             self.straighten();

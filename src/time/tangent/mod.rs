@@ -159,7 +159,7 @@ impl Tangent {
         for node in 1..=END {
             let rows = solver.propagators[solver.current].node(node);
             for (i, (due, row)) in self.due_to_start[node].iter_mut().zip(rows).enumerate() {
-                *due = weighed(&row[..3], [self.q[0][i], self.v[0][i], self.p[0][i]]);
+                *due = weighed(&row[..3], &[self.q[0][i], self.v[0][i], self.p[0][i]]);
             }
         }
         for node in PAIR {

@@ -32,7 +32,9 @@ pub(super) fn march(
             stepper.advance(index - 1)?;
         }
         stepper.observe(index, &mut now)?;
-        out.iter_mut().skip(index).step_by(samples).zip(&now).for_each(|(out, value)| *out = *value);
+        for (channel, value) in now.iter().enumerate() {
+            out[channel * samples + index] = *value;
+        }
     }
     Ok(())
 }

@@ -75,7 +75,7 @@ impl ExcitedSystem {
         let steps = self.steps(model, &integrator);
         let mut inputs = integrator.held_inputs();
         let load = model.contact.map(|contact| (model.changes().joint, contact.normal_load));
-        self.act(load, 0, 0, &mut inputs);
+        self.act(load.as_ref(), 0, 0, &mut inputs);
         let beginning = integrator.rest(&inputs).map_err(|error| error.to_string())?;
         let motion = beginning.clone();
         Ok(SystemStepper { excited: self, integrator, steps, load, inputs, beginning, motion, up: false })
@@ -107,14 +107,14 @@ impl ExcitedSystem {
     }
 
     /// Writes what acts from one sample to another: excitation, normal load. What effects add knows no load.
-    fn act(&self, load: Option<(JointChanges, f64)>, from: usize, to: usize, inputs: &mut [Ramp]) {
+    fn act(&self, load: Option<&(JointChanges, f64)>, from: usize, to: usize, inputs: &mut [Ramp]) {
         let Excitation { forces, load: measured, .. } = &self.excitation;
         for (input, force) in inputs.iter_mut().zip(forces) {
             *input = force.ramp(from, to);
         }
         if let Some((joint, constant)) = load {
             let measured = measured.as_ref().filter(|_| joint.load_gain.is_some()).map(MeasuredLoad::values);
-            let load = |index: usize| joint.normal_load(constant, measured.map(|load| load[index]));
+            let load = |index: usize| joint.normal_load(*constant, measured.map(|load| load[index]));
             inputs[forces.len()] = Ramp::line(load(from), load(to));
         }
     }
@@ -137,7 +137,7 @@ pub(in crate::fit::predict) struct SystemStepper<'e> {
 impl SystemStepper<'_> {
     /// Goes to the first sample with these displacements (m), velocities (m/s) and contact force (N).
     pub fn begin(&mut self, displacement: &[f64], velocity: &[f64], force: f64) -> Result<(), String> {
-        self.excited.act(self.load, 0, 0, &mut self.inputs);
+        self.excited.act(self.load.as_ref(), 0, 0, &mut self.inputs);
         let forces = [force];
         let forces = if self.load.is_some() { &forces[..] } else { &[] };
         let begun = self.integrator.moving(displacement, velocity, &self.inputs, forces);
@@ -167,7 +167,7 @@ impl SystemStepper<'_> {
     /// Goes to `motion`, at the first sample, and brings the laws to where the structure is there.
     pub fn settle(&mut self, motion: &Motion) -> Result<(), String> {
         self.set(motion);
-        self.excited.act(self.load, 0, 0, &mut self.inputs);
+        self.excited.act(self.load.as_ref(), 0, 0, &mut self.inputs);
         self.integrator.settle(&mut self.motion, &self.inputs).map_err(|error| error.to_string())
     }
 
@@ -177,7 +177,7 @@ impl SystemStepper<'_> {
             return Ok(());
         }
         self.up = true;
-        self.excited.act(self.load, index, index, &mut self.inputs);
+        self.excited.act(self.load.as_ref(), index, index, &mut self.inputs);
         self.integrator.take_up(&self.motion, &self.inputs).map_err(|error| error.to_string())
     }
 }
@@ -190,6 +190,9 @@ impl Stepper for SystemStepper<'_> {
 
     fn observe(&mut self, index: usize, out: &mut [f64]) -> Result<(), String> {
         self.take_up(index)?;
+        if self.excited.observed.iter().any(|observed| observed.order > 1) {
+            self.integrator.force_end();
+        }
         for (out, Observed { sensor, order }) in out.iter_mut().zip(&self.excited.observed) {
             *out = self.integrator.sensor(*sensor, *order);
         }
@@ -201,18 +204,63 @@ impl Stepper for SystemStepper<'_> {
         let (to, step) = (excitation.after(index), excitation.step(index));
         match self.steps {
             Steps::Controlled(settings) => {
-                self.excited.act(self.load, index, to, &mut self.inputs);
+                self.excited.act(self.load.as_ref(), index, to, &mut self.inputs);
                 self.up = true;
                 let advanced = self.integrator.advance(&mut self.motion, step, &self.inputs, &settings);
                 advanced.map(drop).map_err(|error| error.to_string())
             }
             Steps::Equal(count) => {
                 self.take_up(index)?;
-                self.excited.act(self.load, index, to, self.integrator.inputs_mut());
+                self.excited.act(self.load.as_ref(), index, to, self.integrator.inputs_mut());
                 self.integrator.stride(step, count, |_, _| ()).map_err(|_| {
                     let time = index as f64 * step;
                     format!("the simulation stops at {time} s: the motion grows without bound")
                 })
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::data::{Channel, Record, Regime};
+    use crate::fit::predict::predict;
+    use crate::model::Model;
+
+    /// Unlike dampers couple the modes.
+    #[test]
+    fn what_accelerometers_show_is_the_second_derivative_of_the_displacement() {
+        let model = Model::parse(
+            "schema = \"stickslip.model/1\"\nkind = \"oscillator\"\n\
+             mass = [{ name = \"m1\", mass = 1.5 }, { name = \"m2\", mass = 1.0 }]\n\
+             [[spring]]\nbetween = [\"ground\", \"m1\"]\nstiffness = 3e4\ndamping = 20.0\n\
+             [[spring]]\nbetween = [\"m1\", \"m2\"]\nstiffness = 1.5e4\ndamping = 1.0\n\
+             [contact]\nat = \"m2\"\nlaw = \"jenkins\"\ntangential_stiffness = 6e3\nfriction_coefficient = 1e3\n\
+             normal_load = 30.0\n[[effect]]\nid = \"contact_damping\"\ndamping = 5.0\n",
+        )
+        .unwrap();
+        let (count, step) = (600, 2e-4);
+        let channel = |name: &str, unit, values| Channel { name: name.into(), unit, values, noise: None };
+        let zeros = || vec![0.0; count];
+        let mut channels = vec![
+            channel("time", "s", (0..count).map(|i| step * i as f64).collect()),
+            channel("excitation:m1", "N", (0..count).map(|i| 40.0 * (0.02 * i as f64).sin()).collect()),
+        ];
+        for mass in ["m1", "m2"] {
+            channels.push(channel(&format!("displacement:{mass}"), "m", zeros()));
+            channels.push(channel(&format!("acceleration:{mass}"), "m/s^2", zeros()));
+        }
+        let record = Record { name: "r".into(), regime: Regime::FromRest, use_for: None, channels };
+        let predicted = predict(&model, &record).unwrap();
+        for mass in ["m1", "m2"] {
+            let [u, a] = ["displacement", "acceleration"].map(|shown| {
+                let name = format!("{shown}:{mass}");
+                &predicted.iter().find(|prediction| prediction.channel == name).unwrap().values
+            });
+            let largest = a.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
+            for i in 1..count - 1 {
+                let second = (u[i + 1] - 2.0 * u[i] + u[i - 1]) / (step * step);
+                assert!((second - a[i]).abs() < 2e-3 * largest, "{i}: {second} {}", a[i]);
             }
         }
     }
