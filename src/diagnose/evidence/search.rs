@@ -3,22 +3,13 @@
 use rayon::prelude::*;
 
 use super::discrepancy::{self, Discrepancy};
-use super::joint::Tangents;
-use super::looks::moved;
 use super::measured::Measured;
 use super::posterior::Posterior;
-use super::probe::{self, Prepared, Probe, Probed, SIZES, SMALL};
+use super::probe::{self, Prepared, Probed};
 use super::set::{Set, best_of_each, evidence, of_size};
 use super::unknown::Unknown;
 use crate::model::Model;
 
-/// What a line must promise (in nats) to be worth a fit where something is missing; where nothing is, the log evidence
-/// behind the best, and the fraction of a relevant change.
-pub(super) const WORTH: f64 = 2.0;
-const UNLIKELY: f64 = -5.0;
-const IRRELEVANT: f64 = 0.3;
-/// Measured values below which every candidate is worth a fit, since none takes long.
-const FEW: usize = 100;
 /// Behind the best by how much (in nats) a set is not worth a whole fit.
 pub(super) const BEHIND: f64 = 20.0;
 /// At most so many sets of a size, single effects about measured motions, or candidates in the place of a member are looked at
@@ -211,48 +202,6 @@ impl Search<'_, '_, '_> {
         }
     }
 
-    /// Glances at sets of one more member around the parents `from`, where a line through each promises something.
-    pub(super) fn around(&self, mut from: Vec<Set>, adequate: bool) -> Vec<Set> {
-        let parents = from.clone();
-        let (mut wanted, mut tangents): (Vec<(usize, Probe)>, Vec<Option<Tangents>>) = Default::default();
-        let few = (0..self.data.records.len()).map(|k| self.data.lane(k).measured.len()).sum::<usize>() < FEW;
-        let worthy = |probe: &Probe| {
-            let likely =
-                probe.evidence > UNLIKELY && probe.distance > IRRELEVANT * self.data.assumptions().relevant;
-            (few || probe.gain > WORTH) && (!adequate || likely)
-        };
-        if !adequate && self.looks.is_none() {
-            from.par_iter_mut().for_each(|set| self.whiten(set));
-        }
-        for (k, parent) in from.iter().enumerate() {
-            let sizes = if adequate { SMALL } else { SIZES };
-            let mut probed = self.probed(self.data, parent, &self.beside(parent), sizes);
-            probed.probes.retain(worthy);
-            wanted.extend(promising(probed.probes).into_iter().map(|probe| (k, probe)));
-            tangents.push(probed.tangents);
-        }
-        let looks = self.looks.unwrap_or(self.data);
-        if !adequate && let Some(looks) = self.looks {
-            // What a wrong model moves through tells little of what else is missing: what was measured moves as it is.
-            for (k, mut about) in from.clone().into_iter().enumerate() {
-                if moved(looks, &mut about) {
-                    let known = |c: usize| wanted.iter().any(|(of, probe)| *of == k && probe.candidate == c);
-                    let mut probes = self.probed(looks, &about, &self.beside(&about), SIZES).probes;
-                    probes.retain(|probe| probe.gain > WORTH && !known(probe.candidate));
-                    wanted.extend(promising(probes).into_iter().map(|probe| (from.len(), probe)));
-                    from.push(about);
-                }
-            }
-        }
-        let glanced = |(parent, probe): &(usize, Probe)| {
-            let tangents = tangents.get(*parent).and_then(Option::as_ref);
-            self.glanced(looks, &from[*parent], tangents, probe)
-        };
-        let seen: Vec<Option<Set>> = wanted.par_iter().map(glanced).collect();
-        let led = parents.iter().filter(|_| !adequate).flat_map(|parent| self.led(parent));
-        best_of_each(seen.into_iter().flatten().chain(led))
-    }
-
     /// Size of the residual of a set.
     pub(super) fn left(&self, set: &Set) -> f64 {
         self.data.left(&set.posterior.predictions)
@@ -315,19 +264,6 @@ impl Search<'_, '_, '_> {
         with.posterior.predictions = doubt.predictions;
         Some(with)
     }
-}
-
-/// The first two of each candidate, another where it promises nearly as much.
-pub(super) fn promising(probes: Vec<Probe>) -> Vec<Probe> {
-    let mut starts: Vec<Probe> = Vec::new();
-    for probe in probes {
-        let same: Vec<&Probe> = starts.iter().filter(|s| s.candidate == probe.candidate).collect();
-        let near = same.first().is_none_or(|best| probe.gain > 0.5 * best.gain);
-        if same.len() < 2 && near {
-            starts.push(probe);
-        }
-    }
-    starts
 }
 
 /// Whether `set` lacks nothing that `doubt` stands for; without a doubt, nothing relevant beyond the noise.

@@ -8,10 +8,17 @@ use rayon::prelude::*;
 use super::joint::Tangents;
 use super::measured::Measured;
 use super::posterior::{LOOK, Posterior, Start, glance, screen};
-use super::probe::{self, Probe, Probed, SIZES};
-use super::search::{BEHIND, CLOSER, Search, TWICE, WORTH, is_adequate, promising};
+use super::probe::{self, Probe, Probed, SIZES, SMALL};
+use super::search::{BEHIND, CLOSER, Search, TWICE, is_adequate};
 use super::set::{Set, best_of_each, evidence, rank};
 
+/// What a line must promise (in nats) to be worth a fit where something is missing; where nothing is, the log evidence
+/// behind the best, and the fraction of a relevant change.
+pub(super) const WORTH: f64 = 2.0;
+const UNLIKELY: f64 = -5.0;
+const IRRELEVANT: f64 = 0.3;
+/// Measured values below which every candidate is worth a fit, since none takes long.
+const FEW: usize = 100;
 /// Multiple of a prior's deviation that first numbers of effects with a second one start from, too.
 const MORE: f64 = 10.0;
 /// Sets that are followed from the beginnings of records to their ends, at most.
@@ -92,6 +99,57 @@ impl Search<'_, '_, '_> {
             }
         }
         apart
+    }
+
+    /// Glances at sets of one more member around the parents `from`, where a line through each promises something. About none, what has
+    /// several places of a second number is glanced at in all of them, whatever lines promise.
+    pub(in crate::diagnose::evidence) fn around(&self, mut from: Vec<Set>, adequate: bool) -> Vec<Set> {
+        let parents = from.clone();
+        let (mut wanted, mut tangents): (Vec<(usize, Probe)>, Vec<Option<Tangents>>) = Default::default();
+        let few = (0..self.data.records.len()).map(|k| self.data.lane(k).measured.len()).sum::<usize>() < FEW;
+        let worthy = |probe: &Probe| {
+            let likely =
+                probe.evidence > UNLIKELY && probe.distance > IRRELEVANT * self.data.assumptions().relevant;
+            (few || probe.gain > WORTH) && (!adequate || likely)
+        };
+        if !adequate && self.looks.is_none() {
+            from.par_iter_mut().for_each(|set| self.whiten(set));
+        }
+        for (k, parent) in from.iter().enumerate() {
+            let sizes = if adequate { SMALL } else { SIZES };
+            let mut probed = self.probed(self.data, parent, &self.beside(parent), sizes);
+            probed.probes.retain(worthy);
+            wanted.extend(promising(probed.probes).into_iter().map(|probe| (k, probe)));
+            tangents.push(probed.tangents);
+            if !adequate && parent.members.is_empty() && self.looks.is_none() {
+                // About a wrong place of a second number lines promise nothing, however right another is.
+                let known = |c: &usize| wanted.iter().any(|(_, probe)| probe.candidate == *c);
+                let mut unseen = self.beside(parent);
+                unseen.retain(|c| self.candidates[*c].has_places() && !known(c));
+                let glances = probe::amounts(self.candidates, &unseen, SIZES.split_at(1).1);
+                wanted.extend(glances.into_iter().map(|probe| (k, probe)));
+            }
+        }
+        let looks = self.looks.unwrap_or(self.data);
+        if !adequate && let Some(looks) = self.looks {
+            // What a wrong model moves through tells little of what else is missing: what was measured moves as it is.
+            for (k, mut about) in from.clone().into_iter().enumerate() {
+                if moved(looks, &mut about) {
+                    let known = |c: usize| wanted.iter().any(|(of, probe)| *of == k && probe.candidate == c);
+                    let mut probes = self.probed(looks, &about, &self.beside(&about), SIZES).probes;
+                    probes.retain(|probe| probe.gain > WORTH && !known(probe.candidate));
+                    wanted.extend(promising(probes).into_iter().map(|probe| (from.len(), probe)));
+                    from.push(about);
+                }
+            }
+        }
+        let glanced = |(parent, probe): &(usize, Probe)| {
+            let tangents = tangents.get(*parent).and_then(Option::as_ref);
+            self.glanced(looks, &from[*parent], tangents, probe)
+        };
+        let seen: Vec<Option<Set>> = wanted.par_iter().map(glanced).collect();
+        let led = parents.iter().filter(|_| !adequate).flat_map(|parent| self.led(parent));
+        best_of_each(seen.into_iter().flatten().chain(led))
     }
 
     /// The best of each candidate after a glance from `starts` beside `from`.
@@ -202,6 +260,19 @@ impl Search<'_, '_, '_> {
     }
 }
 
+/// The first two of each candidate, another where it promises nearly as much.
+pub(super) fn promising(probes: Vec<Probe>) -> Vec<Probe> {
+    let mut starts: Vec<Probe> = Vec::new();
+    for probe in probes {
+        let same: Vec<&Probe> = starts.iter().filter(|s| s.candidate == probe.candidate).collect();
+        let near = same.first().is_none_or(|best| probe.gain > 0.5 * best.gain);
+        if same.len() < 2 && near {
+            starts.push(probe);
+        }
+    }
+    starts
+}
+
 /// `set` looked at in other data than before.
 pub(super) fn moved(data: &Measured, set: &mut Set) -> bool {
     let Posterior { model, unknowns, y, .. } = &set.posterior;
@@ -217,7 +288,8 @@ fn moved_all(data: &Measured, sets: Vec<Set>) -> Vec<Set> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnose::evidence::samples::{beam, searching, steady, steady_at};
+    use crate::data::Dataset;
+    use crate::diagnose::evidence::samples::{beam, moved, searching, slider, steady, steady_at};
     use crate::model::Model;
 
     #[test]
@@ -241,6 +313,24 @@ mod tests {
             };
             assert_eq!(worth(2.0 * BEHIND), same.len() + TWICE - 1);
             assert_eq!(worth(0.5 * BEHIND), same.len() + others.len());
+        });
+    }
+
+    #[test]
+    fn what_has_several_places_is_glanced_at_whatever_lines_promise() {
+        let mut random = fastrand::Rng::with_seed(7);
+        let mut record = moved(&slider(""), 400, 1e-3, |i| 5e-5 * (0.05 * f64::from(i)).sin());
+        record.channels[2].values.iter_mut().for_each(|force| *force += random.f64() - 0.5);
+        let dataset = Dataset { title: None, records: vec![record] };
+        searching(&slider(""), &dataset, &["velocity_weakening", "stiffening"], 1, |search, base| {
+            // Nothing is missing, so that no line promises anything.
+            let empty = Set { members: Vec::new(), discrepancy: None, posterior: base, screened: false };
+            let glanced = |adequate: bool| -> Vec<&str> {
+                let found = search.around(vec![empty.clone()], adequate);
+                found.iter().map(|set| search.candidates[set.members[0]].candidate.effect.id).collect()
+            };
+            assert!(glanced(true).is_empty());
+            assert_eq!(glanced(false), ["velocity_weakening"]);
         });
     }
 

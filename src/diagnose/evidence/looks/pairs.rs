@@ -3,11 +3,11 @@
 
 use rayon::prelude::*;
 
-use super::moved_all;
+use super::{WORTH, moved_all, promising};
 use crate::diagnose::evidence::measured::Measured;
 use crate::diagnose::evidence::posterior::{Posterior, Start, glance};
 use crate::diagnose::evidence::probe::{self, Plane, Probe, SIZES};
-use crate::diagnose::evidence::search::{Search, TWICE, WORTH, promising};
+use crate::diagnose::evidence::search::{Search, TWICE};
 use crate::diagnose::evidence::set::{Set, best_of_each, evidence, of_size};
 
 /// Sets that are glanced at, at most: beside those of one member, and on planes.

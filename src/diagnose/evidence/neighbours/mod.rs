@@ -5,9 +5,10 @@ use rayon::prelude::*;
 
 use super::discrepancy::{self, Discrepancy};
 use super::looks::moved;
+use super::looks::promising;
 use super::posterior::{LOOK, Posterior, Start, fit, screen};
 use super::probe::{Probed, SIZES};
-use super::search::{BEHIND, PARENTS, Search, TWICE, promising};
+use super::search::{BEHIND, PARENTS, Search, TWICE};
 use super::set::{Set, best_of_each, evidence, keep, of_size, rank};
 use super::unknown::Unknown;
 use super::weights;
