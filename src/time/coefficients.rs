@@ -16,16 +16,19 @@ const ROUNDS: usize = 10;
 pub(crate) struct EqualSteps {
     /// Their length (s).
     pub step: f64,
-    /// Pairs of each mode, mode by mode, by the `numbers`.
-    factors: Vec<[f64; 2]>,
-    /// Three forces of each input (N), and `q₀` and `v₀` of the mode itself or, where damping couples modes, of all.
-    numbers: Vec<f64>,
+    /// Pairs of each mode by the `q₀` and `v₀` of itself or, where damping couples modes, of all, mode by mode. Empty where forces
+    /// follow displacements.
+    free: Vec<[[f64; 2]; 2]>,
     coupled: bool,
-    /// Pairs of each mode by the force of each law or outside force where that grows on a straight line, and where it is but a
-    /// bow above one: force by force.
+    /// Pairs of each mode by the force of an input at the start, the middle and the end, input by input. Empty as the former.
+    forced: Vec<[[f64; 2]; 3]>,
+    /// Those forces (N), in the direction of an input: laws and outside forces act against their ports.
+    pub forces: Vec<[f64; 3]>,
+    /// Pairs of each mode by the force of each law or outside force that grows on a straight line by so much at the end, and that
+    /// lies above one by so much at the middle: force by force.
     line: Vec<[f64; 2]>,
     bow: Vec<[f64; 2]>,
-    /// Pairs of the port of each by the former.
+    /// Pairs of the ports of all laws and outside forces by the force of each that grows on a straight line: force by force.
     ports: Vec<[f64; 2]>,
     /// How the port of each answers to its own.
     pub answers: Vec<Answer>,
@@ -36,13 +39,12 @@ pub(crate) struct EqualSteps {
 impl EqualSteps {
     /// Of no length yet.
     pub fn new(plant: &Plant) -> Self {
-        let coupled = !plant.damping.is_empty() && !plant.follows_displacement();
-        let free = if coupled { 2 * plant.size() } else { 2 };
         Self {
             step: f64::NAN,
-            factors: Vec::new(),
-            numbers: vec![0.0; 3 * plant.inputs() + free],
-            coupled,
+            free: Vec::new(),
+            coupled: !plant.damping.is_empty() && !plant.follows_displacement(),
+            forced: Vec::new(),
+            forces: vec![[0.0; 3]; plant.inputs()],
             line: Vec::new(),
             bow: Vec::new(),
             ports: Vec::new(),
@@ -51,25 +53,28 @@ impl EqualSteps {
         }
     }
 
-    /// The force of an input (N) along its port at the start, the middle and the end.
-    pub fn force(&mut self, input: usize) -> &mut [f64] {
-        &mut self.numbers[3 * input..][..3]
-    }
-
     /// Writes `q` and `v` of all modes at the end by those at the start and by the forces, where nothing else acts.
-    pub fn end(&mut self, [q0, v0]: [&[f64]; 2], [q, v]: [&mut [f64]; 2]) {
+    pub fn end(&self, [q0, v0]: [&[f64]; 2], [q, v]: [&mut [f64]; 2]) {
         let n = q0.len();
-        let free = self.numbers.len() - if self.coupled { 2 * n } else { 2 };
-        if self.coupled {
-            self.numbers[free..][..n].copy_from_slice(q0);
-            self.numbers[free + n..].copy_from_slice(v0);
-        }
-        let rows = self.factors.chunks_exact(self.numbers.len());
-        for (i, (row, (q, v))) in rows.zip(q.iter_mut().zip(v)).enumerate() {
-            if !self.coupled {
-                self.numbers[free..].copy_from_slice(&[q0[i], v0[i]]);
+        for (i, (q, v)) in q.iter_mut().zip(v.iter_mut()).enumerate() {
+            let own = if self.coupled { 0..n } else { i..i + 1 };
+            let mut sum = [0.0; 2];
+            for (by, (q0, v0)) in self.free[i * own.len()..].iter().zip(q0[own.clone()].iter().zip(&v0[own]))
+            {
+                sum = [0, 1].map(|part| sum[part] + by[0][part] * q0 + by[1][part] * v0);
             }
-            [*q, *v] = weighed(row, &self.numbers);
+            [*q, *v] = sum;
+        }
+        for (input, forces) in self.forces.iter().enumerate() {
+            // Of many inputs most are not used.
+            if *forces == [0.0; 3] {
+                continue;
+            }
+            for ((q, v), by) in q.iter_mut().zip(v.iter_mut()).zip(&self.forced[input * n..][..n]) {
+                let [by_q, by_v] = weighed(by, forces);
+                *q += by_q;
+                *v += by_v;
+            }
         }
     }
 
@@ -92,33 +97,24 @@ impl EqualSteps {
 
     /// Fills the coefficients from those of this step.
     pub fn fill(&mut self, plant: &Plant, propagator: &Propagator) {
-        let (n, columns) = (plant.size(), Columns::new(plant, propagator, self.coupled));
-        let driven = plant.driven.iter().map(|port| (*port, 1.0));
-        let against = plant.contacts.iter().map(|contact| (contact.port, -1.0));
-        let along = |(port, sign): (usize, f64)| plant.ports[port].row.iter().map(|b| sign * b).collect();
-        let rows: Vec<Vec<f64>> = driven.chain(against).map(along).collect();
-        let own = |i: usize| if self.coupled { 0..n } else { i..i + 1 };
-        // Damping between modes is a force, at the start too.
-        let lost = |i: usize, j: usize| {
-            if self.coupled { columns.sum(i, 2, &plant.damping[j * n..][..n]) } else { [0.0; 2] }
-        };
-        let factors = |i: usize| {
-            let forced = rows.iter().flat_map(|row| [2, 3, 4].map(|list| columns.sum(i, list, row)));
-            let displaced = own(i).map(|j| columns.of[j][i]);
-            let moving = own(i).map(|j| [0, 1].map(|part| columns.of[n + j][i][part] - lost(i, j)[part]));
-            forced.chain(displaced).chain(moving).collect::<Vec<_>>()
-        };
-        self.factors = (0..n).flat_map(factors).collect();
-        let of_laws = || rows[plant.driven.len()..].iter().flat_map(|row| (0..n).map(move |i| (i, row)));
-        self.bow = of_laws().map(|(i, row)| columns.sum(i, 3, row)).collect();
-        let ends = of_laws().map(|(i, row)| columns.sum(i, 4, row));
-        let line = |(middle, end): (&[f64; 2], [f64; 2])| [0, 1].map(|part| 0.5 * middle[part] + end[part]);
-        self.line = self.bow.iter().zip(ends).map(line).collect();
-        self.fill_ports(plant);
-    }
-
-    /// What the ports of laws and outside forces see of their forces, from what the modes do.
-    fn fill_ports(&mut self, plant: &Plant) {
+        let columns = Columns::new(plant, propagator, self.coupled);
+        (self.free, self.forced) = (Vec::new(), Vec::new());
+        if !plant.follows_displacement() {
+            self.free = (0..plant.size()).flat_map(|i| columns.free(plant, i)).collect();
+            for port in &plant.driven {
+                self.forced.extend(columns.forced(&plant.ports[*port].row, 1.0));
+            }
+        }
+        (self.line, self.bow) = (Vec::new(), Vec::new());
+        for contact in &plant.contacts {
+            let own = columns.forced(&plant.ports[contact.port].row, -1.0);
+            self.bow.extend(own.iter().map(|[_, middle, _]| middle));
+            let line = |[_, middle, end]: &[[f64; 2]; 3]| [0, 1].map(|part| 0.5 * middle[part] + end[part]);
+            self.line.extend(own.iter().map(line));
+            if !plant.follows_displacement() {
+                self.forced.extend(own);
+            }
+        }
         let seen = |line: &[[f64; 2]], contact: &Contact| {
             let terms = line.iter().zip(&plant.ports[contact.port].row);
             terms.fold([0.0; 2], |[u, v], ([by_q, by_v], b)| [u + b * by_q, v + b * by_v])
@@ -133,26 +129,55 @@ impl EqualSteps {
     }
 }
 
-/// `q` and `v` of all modes at the end by the unit of what they depend on: lists of `q₀`, `v₀`, `p₀` and the forcing at the middle
-/// and at the end, each mode by mode.
-struct Columns {
-    of: Vec<Vec<[f64; 2]>>,
-    modes: usize,
+/// `q` and `v` of all modes at the end by the unit of what they depend on: `q₀`, `v₀`, `p₀` and the forcing at the middle and at the
+/// end.
+enum Columns<'a> {
+    /// Of each mode by its own.
+    Own(&'a [Row]),
+    /// By those of all modes, list by list and mode by mode.
+    All(Vec<Vec<[f64; 2]>>),
 }
 
-impl Columns {
-    fn new(plant: &Plant, propagator: &Propagator, coupled: bool) -> Self {
-        let column = |column: usize| {
-            if coupled { damped(plant, propagator, column) } else { alone(propagator, column) }
-        };
-        Self { of: (0..5 * plant.size()).map(column).collect(), modes: plant.size() }
+impl<'a> Columns<'a> {
+    fn new(plant: &Plant, propagator: &'a Propagator, coupled: bool) -> Self {
+        if coupled {
+            Self::All((0..5 * plant.size()).map(|column| damped(plant, propagator, column)).collect())
+        } else {
+            Self::Own(propagator.node(END))
+        }
     }
 
-    /// The pair of mode `i` by what `by` holds of a list.
-    fn sum(&self, i: usize, list: usize, by: &[f64]) -> [f64; 2] {
-        let factors = self.of[list * self.modes..][..self.modes].iter().map(|column| column[i]);
-        factors.zip(by).fold([0.0; 2], |[q, v], ([by_q, by_v], by)| [q + by_q * by, v + by_v * by])
+    /// Pairs of mode `i` by `q₀` and `v₀`.
+    fn free(&self, plant: &Plant, i: usize) -> Vec<[[f64; 2]; 2]> {
+        let all = match self {
+            Self::Own(rows) => return vec![[rows[i][0], rows[i][1]]],
+            Self::All(all) => all,
+        };
+        let n = plant.size();
+        let by = |j: usize| {
+            // Damping between modes is a force, at the start too.
+            let [lost_q, lost_v] = sum(&all[2 * n..3 * n], i, &plant.damping[j * n..][..n]);
+            let [q, v] = all[n + j][i];
+            [all[j][i], [q - lost_q, v - lost_v]]
+        };
+        (0..n).map(by).collect()
     }
+
+    /// Pairs of all modes by a force along a port or against it, of `sign`, at the start, the middle and the end.
+    fn forced(&self, port: &[f64], sign: f64) -> Vec<[[f64; 2]; 3]> {
+        let n = port.len();
+        let of = |i: usize| match self {
+            Self::Own(rows) => [2, 3, 4].map(|list| rows[i][list].map(|by| sign * port[i] * by)),
+            Self::All(all) => [2, 3, 4].map(|list| sum(&all[list * n..][..n], i, port).map(|by| sign * by)),
+        };
+        (0..n).map(of).collect()
+    }
+}
+
+/// The pair of mode `i` by all of `columns`, so much of each.
+fn sum(columns: &[Vec<[f64; 2]>], i: usize, by: &[f64]) -> [f64; 2] {
+    let terms = columns.iter().zip(by);
+    terms.fold([0.0; 2], |[q, v], (column, by)| [q + column[i][0] * by, v + column[i][1] * by])
 }
 
 /// Adds `by` times the pairs of force `e` to `q` and `v` of the modes.
@@ -165,14 +190,7 @@ fn move_by(pairs: &[[f64; 2]], e: usize, by: f64, [q, v]: [&mut [f64]; 2]) {
     }
 }
 
-/// One of [`Columns`] where each mode moves by itself.
-fn alone(propagator: &Propagator, column: usize) -> Vec<[f64; 2]> {
-    let rows = propagator.node(END);
-    let (list, mode) = (column / rows.len(), column % rows.len());
-    rows.iter().enumerate().map(|(i, row)| if i == mode { row[list] } else { [0.0; 2] }).collect()
-}
-
-/// The same under the damping between modes, of which `p₀` holds the share at the start.
+/// One of [`Columns::All`]: damping between modes is a force, of which `p₀` holds the share at the start.
 fn damped(plant: &Plant, propagator: &Propagator, column: usize) -> Vec<[f64; 2]> {
     let n = plant.size();
     let mut by: [Vec<f64>; 5] = std::array::from_fn(|_| vec![0.0; n]);

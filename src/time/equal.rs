@@ -134,6 +134,7 @@ impl StepSolver {
             self.go_on(span);
             self.follow(span);
         } else {
+            self.drive(span);
             self.go_on(span);
             let ([q0, .., q4], [v0, .., v4]) = (&mut self.q, &mut self.v);
             self.equal.end([q0, v0], [q4, v4]);
@@ -151,12 +152,16 @@ impl StepSolver {
         true
     }
 
-    /// All forces where those of laws go on as they begin.
-    fn go_on(&mut self, span: &Span) {
-        let at = [span.from, span.fraction(NODES[MIDDLE]), span.to];
-        for (input, ramp) in self.ramps[..self.plant.driven.len()].iter().enumerate() {
-            self.equal.force(input).copy_from_slice(&at.map(|fraction| ramp.at(fraction)));
+    /// Forces on driven ports.
+    fn drive(&mut self, span: &Span) {
+        let middle = span.fraction(NODES[MIDDLE]);
+        for (forces, ramp) in self.equal.forces.iter_mut().zip(&self.ramps[..self.plant.driven.len()]) {
+            *forces = [ramp.at(span.from), ramp.at(middle), ramp.at(span.to)];
         }
+    }
+
+    /// Forces from outside, and those of laws where they go on as they begin.
+    fn go_on(&mut self, span: &Span) {
         for e in 0..self.plant.contacts.len() {
             let input = self.plant.contacts[e].input;
             let forces = if self.plant.contacts[e].law.is_some() {
@@ -164,9 +169,9 @@ impl StepSolver {
                 self.equal.rises[e] = rise;
                 [force, force + 0.5 * rise, force + rise]
             } else {
-                at.map(|fraction| self.ramps[input].at(fraction))
+                [span.from, span.fraction(NODES[MIDDLE]), span.to].map(|at| self.ramps[input].at(at))
             };
-            self.equal.force(input).copy_from_slice(&forces);
+            self.equal.forces[input] = forces;
             let [start, _, middle, _, end] = &mut self.nodes[e];
             [_, middle.force, end.force] = forces;
             end.tangent = start.tangent;

@@ -13,7 +13,7 @@ pub(crate) struct NodeContact {
     /// Energy taken since the start of the step (J).
     pub energy: f64,
     pub normal_load: f64,
-    /// u (m), as the law was asked last.
+    /// u (m), as the law was asked last, or as a communication step begins.
     pub displacement: f64,
     /// u + a T (m) and its derivative (m/s): what the modes alone give.
     pub geometric_displacement: f64,
@@ -78,7 +78,7 @@ impl NodeContact {
     pub fn going_on(&self, point: &ContactPoint) -> f64 {
         let by_load = self.load_tangent * (point.normal_load - self.normal_load);
         let force = self.force + self.tangent * (point.displacement - self.displacement) + by_load;
-        force / (1.0 + self.tangent * point.flexibility)
+        force / (1.0 + self.tangent.max(0.0) * point.flexibility)
     }
 
     pub fn store(&mut self, response: Response, displacement: f64, load: f64) {

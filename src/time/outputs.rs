@@ -104,7 +104,7 @@ impl Integrator {
     }
 
     /// What a sensor reads of the motion that was taken up, or advanced, last: its displacement (m) differentiated `order`
-    /// times.
+    /// times; of accelerations after [`Integrator::force_end`] where steps are equal.
     #[cfg(feature = "analysis")]
     pub(crate) fn sensor(&self, sensor: usize, order: usize) -> f64 {
         let StepSolver { plant, q, v, forcing, .. } = &self.solver;

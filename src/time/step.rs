@@ -41,13 +41,14 @@ impl Span {
     }
 }
 
-/// The working state and the buffers of a step. After construction nothing allocates.
+/// The working state and the buffers of a step, which allocates nothing unless equal steps have a new length.
 #[derive(Debug, Clone)]
 pub(crate) struct StepSolver {
     pub plant: Plant,
     /// Inputs over the communication step.
     pub ramps: Vec<Ramp>,
-    /// Modal displacements, velocities and forcing at the five nodes; node 0 is the state.
+    /// Modal displacements, velocities and forcing at the five nodes; node 0 is the state, whose forcing equal steps of a linear
+    /// plant leave behind.
     pub q: [Vec<f64>; 5],
     pub v: [Vec<f64>; 5],
     pub forcing: [Vec<f64>; 5],

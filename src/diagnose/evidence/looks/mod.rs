@@ -101,8 +101,8 @@ impl Search<'_, '_, '_> {
         apart
     }
 
-    /// Glances at sets of one more member around the parents `from`, where a line through each promises something. About none, what has
-    /// several places of a second number is glanced at in all of them, whatever lines promise.
+    /// Glances at sets of one more member around the parents `from`, where a line through each promises something; beside none where
+    /// something is missing, what has several places of a second number even where no line promises anything.
     pub(in crate::diagnose::evidence) fn around(&self, mut from: Vec<Set>, adequate: bool) -> Vec<Set> {
         let parents = from.clone();
         let (mut wanted, mut tangents): (Vec<(usize, Probe)>, Vec<Option<Tangents>>) = Default::default();
@@ -122,12 +122,8 @@ impl Search<'_, '_, '_> {
             wanted.extend(promising(probed.probes).into_iter().map(|probe| (k, probe)));
             tangents.push(probed.tangents);
             if !adequate && parent.members.is_empty() && self.looks.is_none() {
-                // About a wrong place of a second number lines promise nothing, however right another is.
-                let known = |c: &usize| wanted.iter().any(|(_, probe)| probe.candidate == *c);
-                let mut unseen = self.beside(parent);
-                unseen.retain(|c| self.candidates[*c].has_places() && !known(c));
-                let glances = probe::amounts(self.candidates, &unseen, SIZES.split_at(1).1);
-                wanted.extend(glances.into_iter().map(|probe| (k, probe)));
+                let unpromising = self.in_all_places(parent, &wanted);
+                wanted.extend(unpromising.into_iter().map(|probe| (k, probe)));
             }
         }
         let looks = self.looks.unwrap_or(self.data);
@@ -150,6 +146,15 @@ impl Search<'_, '_, '_> {
         let seen: Vec<Option<Set>> = wanted.par_iter().map(glanced).collect();
         let led = parents.iter().filter(|_| !adequate).flat_map(|parent| self.led(parent));
         best_of_each(seen.into_iter().flatten().chain(led))
+    }
+
+    /// What lines promise nothing of, `wanted` otherwise, in all places of a second number: about wrong ones they promise nothing,
+    /// however right another is.
+    fn in_all_places(&self, parent: &Set, wanted: &[(usize, Probe)]) -> Vec<Probe> {
+        let known = |c: &usize| wanted.iter().any(|(_, probe)| probe.candidate == *c);
+        let mut unseen = self.beside(parent);
+        unseen.retain(|c| self.candidates[*c].has_places() && !known(c));
+        probe::amounts(self.candidates, &unseen, SIZES.split_at(1).1)
     }
 
     /// The best of each candidate after a glance from `starts` beside `from`.

@@ -4,8 +4,7 @@
 use rayon::prelude::*;
 
 use super::discrepancy::{self, Discrepancy};
-use super::looks::moved;
-use super::looks::promising;
+use super::looks::{moved, promising};
 use super::posterior::{LOOK, Posterior, Start, fit, screen};
 use super::probe::{Probed, SIZES};
 use super::search::{BEHIND, PARENTS, Search, TWICE};

@@ -190,7 +190,8 @@ impl Stepper for SystemStepper<'_> {
 
     fn observe(&mut self, index: usize, out: &mut [f64]) -> Result<(), String> {
         self.take_up(index)?;
-        if self.excited.observed.iter().any(|observed| observed.order > 1) {
+        let equal = matches!(self.steps, Steps::Equal(_));
+        if equal && self.excited.observed.iter().any(|observed| observed.order > 1) {
             self.integrator.force_end();
         }
         for (out, Observed { sensor, order }) in out.iter_mut().zip(&self.excited.observed) {
