@@ -154,9 +154,8 @@ impl StepSolver {
 
     /// Forces on driven ports.
     fn drive(&mut self, span: &Span) {
-        let middle = span.fraction(NODES[MIDDLE]);
-        for (forces, ramp) in self.equal.forces.iter_mut().zip(&self.ramps[..self.plant.driven.len()]) {
-            *forces = [ramp.at(span.from), ramp.at(middle), ramp.at(span.to)];
+        for (forces, input) in self.equal.forces.iter_mut().zip(&self.ramps[..self.plant.driven.len()]) {
+            *forces = span.values(input);
         }
     }
 
@@ -169,7 +168,7 @@ impl StepSolver {
                 self.equal.rises[e] = rise;
                 [force, force + 0.5 * rise, force + rise]
             } else {
-                [span.from, span.fraction(NODES[MIDDLE]), span.to].map(|at| self.ramps[input].at(at))
+                span.values(&self.ramps[input])
             };
             self.equal.forces[input] = forces;
             let [start, _, middle, _, end] = &mut self.nodes[e];

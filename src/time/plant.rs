@@ -131,9 +131,8 @@ impl Plant {
         check_ports(&system)?;
         let (angular_frequency, damping_ratio, damping) = modes;
         let laws = contacts.iter().filter(|contact| contact.law.is_some()).count();
-        let interacts = laws > 1 || !(springs.is_empty() && system.shortening.is_empty());
-        Ok(Self {
-            interacts,
+        let mut plant = Self {
+            interacts: laws > 1,
             angular_frequency,
             damping_ratio,
             damping,
@@ -145,7 +144,9 @@ impl Plant {
             springs,
             memory_len,
             shapes,
-        })
+        };
+        plant.interacts |= plant.follows_displacement();
+        Ok(plant)
     }
 
     pub fn size(&self) -> usize {

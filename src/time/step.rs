@@ -5,7 +5,7 @@ use super::coefficients::EqualSteps;
 use super::motion::{ContactMotion, Motion};
 use super::node::{Answer, NodeContact};
 use super::plant::{Plant, add_product};
-use super::propagator::{END, MIDDLE, Propagator};
+use super::propagator::{END, MIDDLE, NODES, Propagator};
 
 /// Amplitudes below this are set to zero: denormal numbers are ten times slower.
 pub(crate) const NEGLIGIBLE: f64 = 1e-150;
@@ -28,6 +28,11 @@ impl Span {
 
     pub fn fraction(&self, node: f64) -> f64 {
         if node >= 1.0 { self.to } else { self.from + node * (self.to - self.from) }
+    }
+
+    /// An input at the start, the middle and the end.
+    pub fn values(&self, input: &Ramp) -> [f64; 3] {
+        [self.from, self.fraction(NODES[MIDDLE]), self.to].map(|fraction| input.at(fraction))
     }
 
     /// Rate of an input that runs on a straight line (1/s).

@@ -148,13 +148,13 @@ impl Search<'_, '_, '_> {
         best_of_each(seen.into_iter().flatten().chain(led))
     }
 
-    /// What lines promise nothing of, `wanted` otherwise, in all places of a second number: about wrong ones they promise nothing,
-    /// however right another is.
+    /// Starts in all places of a second number, of candidates that are not `wanted` for what lines promise: about a wrong place they
+    /// promise nothing, however right another is.
     fn in_all_places(&self, parent: &Set, wanted: &[(usize, Probe)]) -> Vec<Probe> {
         let known = |c: &usize| wanted.iter().any(|(_, probe)| probe.candidate == *c);
         let mut unseen = self.beside(parent);
         unseen.retain(|c| self.candidates[*c].has_places() && !known(c));
-        probe::amounts(self.candidates, &unseen, SIZES.split_at(1).1)
+        probe::amounts(self.candidates, &unseen, &[1.0])
     }
 
     /// The best of each candidate after a glance from `starts` beside `from`.
