@@ -1,4 +1,4 @@
-//! Fourier coefficients of periodic signals, and products of signals as matrices on coefficients.
+//! Fourier coefficients of periodic signals.
 //!
 //! A signal with harmonics `0..=H` is the slice `[a0, c1, s1, …, cH, sH]` of `2H + 1` numbers:
 //! `x(θ) = a0 + Σ c_h cos hθ + s_h sin hθ` with the phase `θ = Ω t`.
@@ -164,68 +164,9 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Writes the matrix of "multiply by the signal `factor`" from signals with harmonics
-/// `0..=harmonics` to coefficients cut after `rows`: column-major, `rows × (2·harmonics + 1)`.
-pub(crate) fn multiplication(factor: &[f64], harmonics: usize, rows: usize, out: &mut [f64]) {
-    let out = &mut out[..rows * coefficient_count(harmonics)];
-    out.fill(0.0);
-    let kept = factor.len().min(rows);
-    out[..kept].copy_from_slice(&factor[..kept]);
-    for k in 1..=harmonics {
-        let (cosine, sine) = out[(2 * k - 1) * rows..(2 * k + 1) * rows].split_at_mut(rows);
-        if 2 * k < rows {
-            cosine[2 * k - 1] += factor[0];
-            sine[2 * k] += factor[0];
-        }
-        for h in 1..=factor.len() / 2 {
-            let (c, s) = (0.5 * factor[2 * h - 1], 0.5 * factor[2 * h]);
-            let (sum, difference) = (h + k, h.abs_diff(k));
-            if 2 * sum < rows {
-                cosine[2 * sum - 1] += c;
-                cosine[2 * sum] += s;
-                sine[2 * sum] += c;
-                sine[2 * sum - 1] -= s;
-            }
-            if difference == 0 {
-                cosine[0] += c;
-                sine[0] += s;
-            } else if 2 * difference < rows {
-                let sign = if h > k { 1.0 } else { -1.0 };
-                cosine[2 * difference - 1] += c;
-                cosine[2 * difference] += sign * s;
-                sine[2 * difference] -= sign * c;
-                sine[2 * difference - 1] += s;
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn multiplication_matrix_multiplies_signals() {
-        let factor = [0.3, -1.0, 2.0, 0.5, -0.7, 0.2, 0.9];
-        let other = [1.1, 0.4, -0.6, 0.8, 1.3];
-        let rows = coefficient_count(5);
-        let mut matrix = vec![0.0; rows * other.len()];
-        multiplication(&factor, 2, rows, &mut matrix);
-        let mut product = vec![0.0; rows];
-        for (column, x) in matrix.chunks(rows).zip(&other) {
-            product.iter_mut().zip(column).for_each(|(p, c)| *p += c * x);
-        }
-        for phase in [0.0, 0.7, 2.1, 4.4] {
-            let expected = value(&factor, phase) * value(&other, phase);
-            assert!((value(&product, phase) - expected).abs() < 1e-14);
-        }
-        // Cutting the rows cuts harmonics of the product and changes nothing else.
-        let mut cut = vec![0.0; 5 * other.len()];
-        multiplication(&factor, 2, 5, &mut cut);
-        for k in 0..other.len() {
-            assert_eq!(cut[5 * k..5 * k + 5], matrix[rows * k..rows * k + 5]);
-        }
-    }
 
     #[test]
     fn projection_inverts_evaluation() {

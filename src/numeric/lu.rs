@@ -25,6 +25,11 @@ impl Factors {
         &mut self.values
     }
 
+    /// Number of equations.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
     /// Factors the matrix in place; false where it is singular or not finite.
     pub fn factor(&mut self) -> bool {
         (0..self.size).step_by(PANEL).all(|first| {

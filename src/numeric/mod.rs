@@ -2,7 +2,7 @@
 //!
 //! Linear equations: [`lu`] (dense factors), [`elimination`] (small systems that may be singular),
 //! [`gmres`] (iterations with a product alone), `nonnegative` (least squares). Signals over a period: [`fourier`], the harmonics a signal may have
-//! ([`HarmonicSet`]), where it is largest ([`extremum`]), between samples (`band_limited`), their lines under a window (`spectrum`), and how many periods a record holds ([`periods`]). Roots:
+//! ([`HarmonicSet`]), products ([`multiplication`]), where it is largest ([`extremum`]), between samples (`band_limited`), their lines under a window (`spectrum`), and how many periods a record holds ([`periods`]). Roots:
 //! [`bracket`]. Statistics: [`student`], [`random`]. Matrices: [`exponential`], [`balancing`]. Implicit derivatives: [`implicit`].
 
 pub(crate) mod balancing;
@@ -17,6 +17,7 @@ pub(crate) mod gmres;
 mod harmonic_set;
 pub(crate) mod implicit;
 pub(crate) mod lu;
+pub(crate) mod multiplication;
 #[cfg(feature = "analysis")]
 pub(crate) mod nonnegative;
 mod periods;

@@ -1,4 +1,4 @@
-//! `cos nθ` and `sin nθ` for many n, sums of them, and the matrices they make up.
+//! `cos nθ` and `sin nθ` for many n, sums of them, and the products they make up.
 //!
 //! The product of two basis functions is half the sum of two waves of the orders' sum and difference. So
 //! `∫ k(θ) bᵢ bⱼ dθ` for all pairs follows from the `∫ k cos nθ dθ` and `∫ k sin nθ dθ`, n up to twice the
@@ -6,9 +6,8 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::DMatrix;
-
 use crate::numeric::HarmonicSet;
+use crate::numeric::multiplication::Multiplication;
 
 /// Pairs `[cos, sin]` of even orders 0, 2, … and of odd orders 1, 3, …
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -118,6 +117,23 @@ impl Waves {
         }
     }
 
+    /// Sets `product` to multiply signals on `columns` by the signal whose integrals with the waves these are, `fraction`
+    /// of a period having been integrated, and to keep the harmonics of `rows`.
+    pub fn multiply(
+        &self,
+        rows: HarmonicSet,
+        columns: HarmonicSet,
+        fraction: f64,
+        product: &mut Multiplication,
+    ) {
+        let norm = 1.0 / (fraction * PI);
+        // Of two odd sets no odd order comes up.
+        let present = |order: usize| {
+            if order.is_multiple_of(2) { self.even.get(order / 2) } else { self.odd.get(order / 2) }
+        };
+        product.set(rows, columns, |order| present(order).map_or([0.0; 2], |pair| pair.map(|x| norm * x)));
+    }
+
     /// Values of the basis functions on `set`.
     pub fn basis(&self, set: HarmonicSet, out: &mut [f64]) {
         for (order, place) in set.orders() {
@@ -130,46 +146,11 @@ impl Waves {
     }
 }
 
-/// Matrix of "multiply by k and keep the harmonics of `rows`" for signals on `columns`, from the integrals of
-/// k with the waves over `fraction` of a period.
-pub(super) fn multiplication(
-    k: &Waves,
-    rows: HarmonicSet,
-    columns: HarmonicSet,
-    fraction: f64,
-    out: &mut DMatrix<f64>,
-) {
-    let height = out.nrows();
-    let norm = 0.5 / (fraction * PI);
-    for (b, column) in columns.orders() {
-        let width = if b == 0 { 1 } else { 2 };
-        let block = &mut out.as_mut_slice()[column * height..(column + width) * height];
-        let (cosine, sine) = block.split_at_mut(height);
-        for (a, row) in rows.orders() {
-            let sum = k.of(a + b);
-            let mut difference = k.of(a.abs_diff(b));
-            if a < b {
-                difference[1] = -difference[1];
-            }
-            // The bias is the mean, half of what the others are.
-            let scale = if a == 0 { 0.5 * norm } else { norm };
-            cosine[row] = scale * (difference[0] + sum[0]);
-            if a > 0 {
-                cosine[row + 1] = scale * (sum[1] + difference[1]);
-            }
-            if b > 0 {
-                sine[row] = scale * (sum[1] - difference[1]);
-                if a > 0 {
-                    sine[row + 1] = scale * (difference[0] - sum[0]);
-                }
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
+
+    use nalgebra::DMatrix;
 
     use super::*;
 
@@ -213,8 +194,10 @@ mod tests {
                     }
                 }
             }
-            let mut found = DMatrix::zeros(rows.len(), columns.len());
-            multiplication(&sum, rows, columns, 2.0 * 0.5, &mut found);
+            let (mut product, mut found) =
+                (Multiplication::default(), DMatrix::zeros(rows.len(), columns.len()));
+            sum.multiply(rows, columns, 2.0 * 0.5, &mut product);
+            product.write(found.as_mut_slice().chunks_exact_mut(rows.len()));
             assert!((found - expected).abs().max() < 1e-14, "{rows:?} {columns:?}");
         }
     }

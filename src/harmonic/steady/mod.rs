@@ -188,7 +188,7 @@ impl SteadyProblem {
         let mut factors = factors.unwrap_or_default();
         let mut step = vec![0.0; unknowns.len()];
         for _ in 0..MOST_STEPS {
-            let Ok(scale) = balance.balance(unknowns, at) else { return false };
+            let Ok(scale) = balance.evaluate(unknowns, at, &[]) else { return false };
             let largest = balance.residual().iter().fold(0.0_f64, |most, r| most.max(r.abs()));
             let residual = if scale > 0.0 { largest / scale } else { largest };
             if residual <= self.tolerance {
@@ -199,7 +199,6 @@ impl SteadyProblem {
             }
             fresh = residual > GOOD_FACTORS * before;
             if fresh {
-                balance.differentiate(at);
                 factors.reset(unknowns.len()).copy_from_slice(balance.jacobian().as_slice());
                 if !factors.factor() {
                     return false;

@@ -7,6 +7,22 @@ use nalgebra::{DMatrix, DMatrixViewMut};
 
 /// Entries of a column beyond which it counts as full.
 const FEW: usize = 4;
+/// Columns that are written side by side: each is a stretch of memory of its own.
+const STRIP: usize = 8;
+
+/// `out = matrixᵀ`, strip by strip.
+fn transpose(matrix: &DMatrix<f64>, out: &mut DMatrix<f64>) {
+    let (rows, columns) = matrix.shape();
+    for (strip, targets) in out.as_mut_slice().chunks_mut(STRIP * columns).enumerate() {
+        let first = strip * STRIP;
+        let width = STRIP.min(rows - first);
+        for (place, column) in matrix.as_slice().chunks_exact(rows).enumerate() {
+            for (k, x) in column[first..first + width].iter().enumerate() {
+                targets[k * columns + place] = *x;
+            }
+        }
+    }
+}
 
 /// `out = W x` for a port that moves along `shape` and does not shorten: harmonic by harmonic.
 fn along(shape: &[f64], x: &DMatrix<f64>, modes: usize, out: &mut DMatrixViewMut<f64>) {
@@ -49,21 +65,23 @@ impl Balance {
         Self::single(&self.acting, self.residual.len()).map_or(&self.matrices.law, |law| law.cycle.jacobian())
     }
 
-    /// B, A⁻¹ B and the derivatives of the forces.
-    pub fn differentiate(&mut self, at: &Operating) {
+    /// B, A⁻¹ B and the derivatives of the forces, with the weights.
+    fn differentiate(&mut self, at: &Operating) {
         for acting in &mut self.acting {
             acting.complete(at.angular_frequency, &self.unknown);
         }
         let modes = self.modes();
-        let (size, rows) = (self.q.len(), self.matrices.weights.nrows());
+        let (size, rows) = (self.q.len(), self.residual.len());
         sized(&mut self.matrices.adjoint, size, rows);
         sized(&mut self.matrices.moved, size, rows);
         let Matrices { weights, adjoint, .. } = &mut self.matrices;
-        weights.transpose_to(adjoint);
+        transpose(weights, adjoint);
         for (column, scale) in adjoint.as_mut_slice().chunks_exact_mut(size).zip(&self.mean_squares) {
-            for (k, part) in column.chunks_exact_mut(modes).enumerate() {
-                let factor = scale / mean_square(k);
-                part.iter_mut().for_each(|to| *to *= factor);
+            // Both are ½ but for means.
+            let (mean, others) = column.split_at_mut(modes);
+            mean.iter_mut().for_each(|x| *x *= scale / mean_square(0));
+            if *scale != mean_square(1) {
+                others.iter_mut().for_each(|x| *x *= scale / mean_square(1));
             }
         }
         self.differentiate_laws(at);
@@ -75,6 +93,7 @@ impl Balance {
     /// Makes the derivatives of the last evaluation if they are not made yet.
     pub(super) fn catch_up(&mut self) {
         let Some(at) = self.undifferentiated.take() else { return };
+        self.weigh();
         if !self.is_linear() {
             self.differentiate(&at);
         }
@@ -86,7 +105,7 @@ impl Balance {
 
     /// a + W A⁻¹ B and ∂r/∂unknowns.
     pub(super) fn complete_jacobian(&mut self) {
-        let (rows, modes) = (self.matrices.weights.nrows(), self.modes());
+        let (rows, modes) = (self.residual.len(), self.modes());
         sized(&mut self.matrices.compliance, rows, rows);
         sized(&mut self.matrices.jacobian, rows, rows);
         let Matrices { weights, moved, compliance, jacobian, law, .. } = &mut self.matrices;

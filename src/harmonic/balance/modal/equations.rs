@@ -12,22 +12,25 @@
 
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVector, Dyn};
 
+use super::blocks::Blocks;
 use crate::harmonic::modal_system::ModalSystem;
 use crate::harmonic::newton::problem::largest;
 use crate::harmonic::newton::system::Operating;
-use crate::numeric::fourier::{coefficient_count, multiplication};
+use crate::numeric::fourier::coefficient_count;
 use crate::numeric::gmres::Krylov;
-use crate::numeric::lu::Factors;
+use crate::numeric::multiplication::Multiplication;
 
 /// Highest harmonic of those first inverted together.
 const FIRST_JOINT: usize = 2;
+/// Highest harmonic of those that are inverted together before minimal residuals are tried.
+const MOST_JOINT: usize = 8;
 /// Rounds before more harmonics are inverted together.
 const ROUNDS: usize = 10;
 /// Change (fraction of the largest coefficient) at which the solution is at rounding.
 const FINISHED: f64 = 1e-12;
 /// Change above which the ratio of two changes tells the contraction.
 const TELLING: f64 = 1e-8;
-/// Fraction left by a round above which the rounds are too many.
+/// Fraction left by a round of many solutions above which rounds are too many.
 const SLOW: f64 = 0.5;
 /// Error of the derivatives that Newton's method does not notice.
 const DERIVATIVE_ERROR: f64 = 1e-3;
@@ -45,13 +48,10 @@ pub(crate) struct ModalEquations {
     pub(super) at: Operating,
     /// M(T), transposed.
     product: DMatrix<f64>,
-    product_columns: Vec<f64>,
+    by_force: Multiplication,
     joint: usize,
-    inverse: DMatrix<f64>,
-    /// Whether it is that of the present factors.
-    inverted: bool,
-    factors: Factors,
-    /// Fraction of the error that a round leaves.
+    blocks: Blocks,
+    /// Fraction of the error that a round left at most in the last solution; infinite where rounds did not lead there.
     contraction: f64,
     /// Error accepted of [`Self::solve_many`], as a fraction.
     pub derivative_error: f64,
@@ -59,7 +59,6 @@ pub(crate) struct ModalEquations {
     residual: DVector<f64>,
     many: DMatrix<f64>,
     many_coupled: DMatrix<f64>,
-    low: DMatrix<f64>,
     krylov: Krylov,
     /// What [`Krylov`] works on: a product with A, and the right side.
     multiplied: Vec<f64>,
@@ -78,18 +77,15 @@ impl ModalEquations {
             damping: Vec::new(),
             at: Operating::forced(0.0, 0.0),
             product: DMatrix::zeros(count, count),
-            product_columns: vec![0.0; count * count],
+            by_force: Multiplication::default(),
             joint: FIRST_JOINT.min(harmonics),
-            inverse: DMatrix::zeros(0, 0),
-            inverted: false,
-            factors: Factors::default(),
+            blocks: Blocks::default(),
             contraction: 0.0,
             derivative_error: DERIVATIVE_ERROR,
             coupled: DMatrix::zeros(modes, count),
             residual: DVector::zeros(modes * count),
             many: DMatrix::zeros(0, 0),
             many_coupled: DMatrix::zeros(0, 0),
-            low: DMatrix::zeros(0, 0),
             krylov: Krylov::default(),
             multiplied: vec![0.0; modes * count],
             prepared: vec![0.0; modes * count],
@@ -109,8 +105,6 @@ impl ModalEquations {
     pub fn renewed(mut self, system: &ModalSystem) -> Self {
         self.describe(system);
         self.forget();
-        self.inverted = false;
-        self.contraction = 0.0;
         self.derivative_error = DERIVATIVE_ERROR;
         self
     }
@@ -134,12 +128,12 @@ impl ModalEquations {
     /// False where the equations are singular.
     pub fn set(&mut self, at: &Operating, force: &[f64]) -> bool {
         self.at = *at;
-        let count = coefficient_count(self.harmonics);
-        multiplication(force, self.harmonics, count, &mut self.product_columns);
-        for (k, column) in self.product_columns.chunks_exact(count).enumerate() {
-            column.iter().enumerate().for_each(|(row, value)| self.product[(k, row)] = *value);
-        }
-        self.factor_joint()
+        self.by_force.set_signal(force, self.harmonics, self.harmonics);
+        self.by_force.write(self.product.as_mut_slice().chunks_exact_mut(coefficient_count(self.harmonics)));
+        // Transposed: M is symmetric but for the mean, which a wave's product has half of what a mean's has of the wave.
+        self.product.row_mut(0).iter_mut().skip(1).for_each(|x| *x *= 2.0);
+        self.product.column_mut(0).iter_mut().skip(1).for_each(|x| *x *= 0.5);
+        self.factor()
     }
 
     /// Dynamic stiffness and damping force per displacement of mode `mode` in harmonic `order`.
@@ -147,26 +141,38 @@ impl ModalEquations {
         dynamic(self.stiffness[mode], self.damping[mode], &self.at, order)
     }
 
-    /// Factors the low harmonics' equations; false where they are singular.
-    fn factor_joint(&mut self) -> bool {
-        let modes = self.modes;
-        let size = modes * coefficient_count(self.joint);
-        let matrix = self.factors.reset(size);
-        for l in 0..coefficient_count(self.joint) {
-            for k in 0..coefficient_count(self.joint) {
-                let weight = -self.product[(l, k)];
-                for j in 0..modes {
-                    for i in 0..modes {
-                        matrix[(l * modes + j) * size + k * modes + i] = weight * self.shortening[(i, j)];
-                    }
+    /// Factors what is solved together; false where that is singular.
+    fn factor(&mut self) -> bool {
+        let mut blocks = std::mem::take(&mut self.blocks);
+        // The mean of the force acts on each mode by itself as a spring does.
+        let mean = self.product[(0, 0)];
+        let dynamic = |mode: usize, order: usize| {
+            let (dynamic, damping) = self.dynamic(mode, order);
+            (dynamic - mean * self.shortening[(mode, mode)], damping)
+        };
+        let low = |matrix: &mut [f64]| self.fill_low(matrix);
+        let factored = blocks.factor(self.modes, self.joint, self.harmonics, low, dynamic);
+        self.blocks = blocks;
+        factored
+    }
+
+    /// Writes A for the low harmonics, column-major.
+    fn fill_low(&self, matrix: &mut [f64]) {
+        let (modes, count) = (self.modes, coefficient_count(self.joint));
+        let size = modes * count;
+        for (l, columns) in matrix.chunks_exact_mut(modes * size).enumerate() {
+            for (column, turned) in columns.chunks_exact_mut(size).zip(self.shortening.column_iter()) {
+                for (k, part) in column.chunks_exact_mut(modes).enumerate() {
+                    let weight = -self.product[(l, k)];
+                    part.iter_mut().zip(&turned).for_each(|(x, g)| *x = weight * g);
                 }
             }
         }
+        let mut add = |row: usize, column: usize, value: f64| matrix[column * size + row] += value;
         for i in 0..modes {
-            let mut add = |row: usize, column: usize, value: f64| matrix[column * size + row] += value;
             add(i, i, self.stiffness[i]);
             for order in 1..=self.joint {
-                let (dynamic, damping) = dynamic(self.stiffness[i], self.damping[i], &self.at, order);
+                let (dynamic, damping) = self.dynamic(i, order);
                 let (c, s) = ((2 * order - 1) * modes + i, 2 * order * modes + i);
                 add(c, c, dynamic);
                 add(s, s, dynamic);
@@ -174,71 +180,20 @@ impl ModalEquations {
                 add(s, c, -damping);
             }
         }
-        self.inverted = false;
-        self.factors.factor()
-    }
-
-    /// Makes the inverse of the low harmonics' equations, with which many columns are solved faster.
-    fn invert_joint(&mut self) {
-        if self.inverted {
-            return;
-        }
-        let size = self.modes * coefficient_count(self.joint);
-        if self.inverse.nrows() != size {
-            self.inverse = DMatrix::zeros(size, size);
-        }
-        self.inverse.fill_with_identity();
-        let columns = self.inverse.as_mut_slice().chunks_exact_mut(size);
-        columns.for_each(|column| self.factors.solve(column));
-        self.inverted = true;
-    }
-
-    /// `out += P⁻¹ right`, P being A without the coupling of the higher harmonics.
-    fn add_preconditioned(&mut self, right: &[f64], out: &mut [f64], columns: usize) {
-        let (modes, size) = (self.modes, self.modes * coefficient_count(self.harmonics));
-        let low = modes * coefficient_count(self.joint);
-        if self.low.shape() != (low, columns) {
-            self.low = DMatrix::zeros(low, columns);
-        }
-        let source =
-            DMatrixView::from_slice_with_strides_generic(right, Dyn(low), Dyn(columns), Dyn(1), Dyn(size));
-        if columns < low {
-            self.low.copy_from(&source);
-            self.low.as_mut_slice().chunks_exact_mut(low).for_each(|column| self.factors.solve(column));
-        } else {
-            self.invert_joint();
-            self.low.gemm(1.0, &self.inverse, &source, 0.0);
-        }
-        for m in 0..columns {
-            let target = &mut out[m * size..(m + 1) * size];
-            let solved = &self.low.as_slice()[m * low..(m + 1) * low];
-            target.iter_mut().zip(solved).for_each(|(t, s)| *t += s);
-        }
-        for order in self.joint + 1..=self.harmonics {
-            for i in 0..modes {
-                let (dynamic, damping) = self.dynamic(i, order);
-                let scale = 1.0 / (dynamic * dynamic + damping * damping);
-                let (dynamic, damping) = (scale * dynamic, scale * damping);
-                let (c, s) = ((2 * order - 1) * modes + i, 2 * order * modes + i);
-                for m in 0..columns {
-                    let (rc, rs) = (right[m * size + c], right[m * size + s]);
-                    out[m * size + c] += dynamic * rc - damping * rs;
-                    out[m * size + s] += dynamic * rs + damping * rc;
-                }
-            }
-        }
     }
 
     /// `out = D q`.
     fn multiply_dynamic(&self, q: &[f64], out: &mut [f64]) {
         let modes = self.modes;
-        for i in 0..modes {
-            out[i] = self.stiffness[i] * q[i];
-            for order in 1..=self.harmonics {
+        let (mean, others) = out.split_at_mut(modes);
+        mean.iter_mut().zip(&self.stiffness).zip(q).for_each(|((out, stiffness), q)| *out = stiffness * q);
+        let pairs = others.chunks_exact_mut(2 * modes).zip(q[modes..].chunks_exact(2 * modes));
+        for (order, (out, q)) in (1..).zip(pairs) {
+            let ((out_c, out_s), (q_c, q_s)) = (out.split_at_mut(modes), q.split_at(modes));
+            for i in 0..modes {
                 let (dynamic, damping) = self.dynamic(i, order);
-                let (c, s) = ((2 * order - 1) * modes + i, 2 * order * modes + i);
-                out[c] = dynamic * q[c] + damping * q[s];
-                out[s] = dynamic * q[s] - damping * q[c];
+                out_c[i] = dynamic * q_c[i] + damping * q_s[i];
+                out_s[i] = dynamic * q_s[i] - damping * q_c[i];
             }
         }
     }
@@ -249,15 +204,16 @@ impl ModalEquations {
             if self.iterate(right, q) {
                 return true;
             }
+            let wide = 2 * self.joint > MOST_JOINT && self.joint < self.harmonics;
             self.contraction = f64::INFINITY;
-            if self.joint < self.harmonics && self.minimise(right, q, FINISHED) {
+            if wide && self.minimise(right, q, FINISHED) {
                 return true;
             }
             if self.joint == self.harmonics {
                 return false;
             }
             self.joint = (2 * self.joint).min(self.harmonics);
-            if !self.factor_joint() {
+            if !self.factor() {
                 return false;
             }
         }
@@ -279,11 +235,11 @@ impl ModalEquations {
         let mut multiplied = std::mem::take(&mut self.multiplied);
         let mut prepared = std::mem::take(&mut self.prepared);
         prepared.fill(0.0);
-        self.add_preconditioned(right, &mut prepared, 1);
+        self.blocks.add_solutions(right, &mut prepared, 1);
         let apply = |v: &[f64], out: &mut [f64]| {
             self.multiply(v, &mut multiplied);
             out.fill(0.0);
-            self.add_preconditioned(&multiplied, out, 1);
+            self.blocks.add_solutions(&multiplied, out, 1);
         };
         let solved = krylov.solve(apply, &prepared, q, tolerance);
         (self.krylov, self.multiplied, self.prepared) = (krylov, multiplied, prepared);
@@ -300,7 +256,7 @@ impl ModalEquations {
         let mut finished = false;
         for _ in 0..ROUNDS {
             step.fill(0.0);
-            self.add_preconditioned(residual.as_slice(), &mut step, 1);
+            self.blocks.add_solutions(residual.as_slice(), &mut step, 1);
             q.iter_mut().zip(&step).for_each(|(q, s)| *q += s);
             let change = largest(&step);
             if before.is_finite() && before > TELLING * largest(q) {
@@ -323,59 +279,86 @@ impl ModalEquations {
         finished
     }
 
-    /// Replaces the columns of `right` by `A⁻¹ right`, as precisely as derivatives need it. After
-    /// [`Self::solve`], which tells how fast the iteration converges.
+    /// Writes `A⁻¹ right`, column by column, to `out`, as precisely as derivatives need it. After [`Self::solve`], which tells
+    /// whether there is anything to iterate.
     pub fn solve_many(&mut self, right: &DMatrix<f64>, out: &mut DMatrix<f64>) {
-        let (modes, count, columns) = (self.modes, coefficient_count(self.harmonics), right.ncols());
-        if self.contraction > SLOW {
-            let (size, tolerance) = (modes * count, self.derivative_error);
-            let pairs = right.as_slice().chunks_exact(size).zip(out.as_mut_slice().chunks_exact_mut(size));
-            for (right, out) in pairs {
-                self.minimise(right, out, tolerance);
-            }
+        let (size, columns) = right.shape();
+        out.fill(0.0);
+        self.blocks.add_solutions(right.as_slice(), out.as_mut_slice(), columns);
+        if self.contraction <= self.derivative_error {
             return;
         }
-        out.fill(0.0);
-        self.add_preconditioned(right.as_slice(), out.as_mut_slice(), columns);
-        let mut error = self.contraction;
-        let mut rounds = 0;
-        while error > self.derivative_error && rounds < ROUNDS {
-            if self.many.shape() != right.shape() {
-                self.many = right.clone();
-                self.many_coupled = right.clone();
+        if self.many.shape() != right.shape() {
+            self.many = right.clone();
+            self.many_coupled = right.clone();
+        }
+        let mut before: Vec<f64> = out.as_slice().chunks_exact(size).map(largest).collect();
+        let mut progress = vec![Progress::Converging; columns];
+        for _ in 0..ROUNDS {
+            self.residual_of_many(right, out);
+            self.many_coupled.fill(0.0);
+            self.blocks.add_solutions(self.many.as_slice(), self.many_coupled.as_mut_slice(), columns);
+            *out += &self.many_coupled;
+            let steps =
+                self.many_coupled.as_slice().chunks_exact(size).zip(out.as_slice().chunks_exact(size));
+            for ((before, progress), (step, x)) in before.iter_mut().zip(&mut progress).zip(steps) {
+                let change = largest(step);
+                let contraction = change / before.max(f64::MIN_POSITIVE);
+                *before = change;
+                *progress = match *progress {
+                    Progress::Slow => Progress::Slow,
+                    _ if contraction * change <= self.derivative_error * largest(x) => Progress::Finished,
+                    _ if contraction <= SLOW => Progress::Converging,
+                    _ => Progress::Slow,
+                };
             }
-            let mut many = std::mem::replace(&mut self.many, DMatrix::zeros(0, 0));
-            let view = DMatrixView::from_slice(out.as_slice(), modes, count * columns);
-            let coupled = self.many_coupled.as_mut_slice();
-            DMatrixViewMut::from_slice(coupled, modes, count * columns).gemm(
-                1.0,
-                &self.shortening,
-                &view,
-                0.0,
-            );
-            let size = modes * count;
-            for m in 0..columns {
-                let span = m * size..(m + 1) * size;
-                self.multiply_dynamic(&out.as_slice()[span.clone()], &mut many.as_mut_slice()[span]);
+            if !progress.contains(&Progress::Converging) {
+                break;
             }
-            // Mode by mode for all columns: few large products.
-            let (rows, cols, along, across) = (Dyn(columns), Dyn(count), Dyn(size), Dyn(modes));
-            for i in 0..modes {
-                let coupled = &self.many_coupled.as_slice()[i..];
-                let coupled =
-                    DMatrixView::from_slice_with_strides_generic(coupled, rows, cols, along, across);
-                let into = &mut many.as_mut_slice()[i..];
-                let mut into =
-                    DMatrixViewMut::from_slice_with_strides_generic(into, rows, cols, along, across);
-                into.gemm(-1.0, &coupled, &self.product, 1.0);
-            }
-            many.iter_mut().zip(right.iter()).for_each(|(r, b)| *r = b - *r);
-            self.add_preconditioned(many.as_slice(), out.as_mut_slice(), columns);
-            self.many = many;
-            error *= self.contraction;
-            rounds += 1;
+        }
+        let columns = right.as_slice().chunks_exact(size).zip(out.as_mut_slice().chunks_exact_mut(size));
+        for ((right, out), _) in columns.zip(progress).filter(|(_, progress)| *progress != Progress::Finished)
+        {
+            self.minimise(right, out, self.derivative_error);
         }
     }
+
+    /// Makes `right − A x` for many columns.
+    fn residual_of_many(&mut self, right: &DMatrix<f64>, x: &DMatrix<f64>) {
+        let (modes, count) = (self.modes, coefficient_count(self.harmonics));
+        let (size, columns) = right.shape();
+        let view = DMatrixView::from_slice(x.as_slice(), modes, count * columns);
+        DMatrixViewMut::from_slice(self.many_coupled.as_mut_slice(), modes, count * columns).gemm(
+            1.0,
+            &self.shortening,
+            &view,
+            0.0,
+        );
+        let mut many = std::mem::replace(&mut self.many, DMatrix::zeros(0, 0));
+        for (x, many) in x.as_slice().chunks_exact(size).zip(many.as_mut_slice().chunks_exact_mut(size)) {
+            self.multiply_dynamic(x, many);
+        }
+        // Mode by mode for all columns: few large products.
+        let (rows, cols, along, across) = (Dyn(columns), Dyn(count), Dyn(size), Dyn(modes));
+        for i in 0..modes {
+            let coupled = &self.many_coupled.as_slice()[i..];
+            let coupled = DMatrixView::from_slice_with_strides_generic(coupled, rows, cols, along, across);
+            let into = &mut many.as_mut_slice()[i..];
+            let mut into = DMatrixViewMut::from_slice_with_strides_generic(into, rows, cols, along, across);
+            into.gemm(-1.0, &coupled, &self.product, 1.0);
+        }
+        many.iter_mut().zip(right.iter()).for_each(|(r, b)| *r = b - *r);
+        self.many = many;
+    }
+}
+
+/// How far one of many solutions is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Progress {
+    Converging,
+    /// What a round leaves is too much: minimal residuals are faster.
+    Slow,
+    Finished,
 }
 
 /// Dynamic stiffness and damping force per displacement of a mode with the stiffness ω² and the damping 2 ζ ω.

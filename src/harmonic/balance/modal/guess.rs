@@ -34,7 +34,7 @@ pub(crate) fn resonance(balance: &mut Balance, acceleration: f64) -> Result<(f64
         equivalent = equivalent.averaged(measure(balance, frequency, equivalent)?);
     }
     let displacement = acceleration / (angular_frequency * angular_frequency);
-    balance.weigh();
+    balance.displace();
     balance.unknown = balance.start(angular_frequency);
     let loss = balance.viscous_energy(angular_frequency) + balance.dissipated_energy();
     Ok((angular_frequency, loss / (std::f64::consts::PI * displacement)))
@@ -78,7 +78,7 @@ fn measure(
     if !balance.has_contact() {
         return Ok(Equivalent::default());
     }
-    balance.weigh();
+    balance.displace();
     let series = balance.flexibility();
     let mut u = balance.displacement().to_vec();
     // What the contact and its flexibility would move by alone, under the same force.

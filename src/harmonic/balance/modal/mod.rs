@@ -18,6 +18,7 @@
 //! stiffness at its port, harmonic by harmonic, and adds no unknowns.
 
 mod beyond;
+mod blocks;
 mod derivatives;
 mod dynamic;
 mod elements;
@@ -42,6 +43,7 @@ use crate::harmonic::period::Cycle;
 use crate::harmonic::{HarmonicError, Method, Point};
 use crate::numeric::extremum::Extremum;
 use crate::numeric::fourier::{coefficient_count, work_per_cycle};
+use crate::numeric::multiplication::Multiplication;
 use crate::system::{Port, System};
 use elements::{Acting, Maps, acting};
 use equations::ModalEquations;
@@ -143,9 +145,10 @@ pub(crate) struct Balance {
     /// ∂forces/∂Ω, all of them.
     rates: Vec<f64>,
     right: Vec<f64>,
-    /// Coefficients of w_i, and multiplication by it.
+    /// Coefficients of what multiplies a mode's motion at a port, of that motion, and the multiplication.
     shape: Vec<f64>,
-    block: Vec<f64>,
+    mode: Vec<f64>,
+    product: Multiplication,
     matrices: Matrices,
     residual: Vec<f64>,
     /// Whether the Jacobian is that of the last evaluation: it costs two large products, and a solution needs none.
@@ -221,7 +224,8 @@ impl Balance {
             rates: vec![0.0; unknowns],
             right: vec![0.0; size],
             shape: vec![0.0; count],
-            block: vec![0.0; wide * count],
+            mode: vec![0.0; count],
+            product: Multiplication::default(),
             matrices,
             residual: vec![0.0; unknowns],
             complete: false,
@@ -231,7 +235,6 @@ impl Balance {
             by: std::array::from_fn(|_| vec![0.0; unknowns]),
             modal_by: std::array::from_fn(|_| vec![0.0; size]),
         };
-        sized(&mut balance.matrices.weights, unknowns, size);
         balance.acting.iter_mut().for_each(Acting::forget);
         Ok(balance)
     }

@@ -108,7 +108,7 @@ impl PeriodicSystem for Balance {
         let both = self.waveform.iter().zip(&self.second);
         let excitation: Vec<f64> = both.map(|(f, second)| at.level * f + at.parameter * second).collect();
         guess::forced(self, at.angular_frequency, &excitation)?;
-        self.weigh();
+        self.displace();
         x.copy_from_slice(&self.start(at.angular_frequency));
         Ok(())
     }

@@ -133,6 +133,28 @@ fn jacobian_equals_central_differences() {
     }
 }
 
+#[test]
+fn many_solutions_are_each_as_precise_as_derivatives_need() {
+    let system = ModalSystem::new(&beam().system(None).unwrap()).unwrap();
+    for size in [0.1, 10.0, 100.0, 1e3, 1e5] {
+        let mut equations = ModalEquations::new(&system, 12);
+        let force: Vec<f64> =
+            (0..coefficient_count(24)).map(|k| size * (1.3 * k as f64).sin() / (1.0 + k as f64)).collect();
+        assert!(equations.set(&Operating::forced(290.0, 1.0), &force));
+        let right = DMatrix::identity(50, 50);
+        let (mut many, mut one) = (DMatrix::zeros(50, 50), vec![0.0; 50]);
+        // That of a low harmonic tells little of the others.
+        assert!(equations.solve(right.column(2).as_slice(), &mut one));
+        equations.solve_many(&right, &mut many);
+        for (right, many) in right.column_iter().zip(many.column_iter()) {
+            assert!(equations.solve(right.as_slice(), &mut one));
+            let largest = one.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            let error = many.iter().zip(&one).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+            assert!(error < 1e-2 * largest, "{size} N: {error:e} of {largest:e}");
+        }
+    }
+}
+
 /// Dissipation of the contact alone under `u = U sin θ`.
 fn loop_of(law: impl ContactLaw + 'static, load: f64, amplitude: f64, samples: usize) -> f64 {
     let mut beam = beam();

@@ -19,7 +19,7 @@ impl Balance {
         for (i, mode) in modal_coefficients.chunks_exact(count).enumerate() {
             mode.iter().enumerate().for_each(|(k, value)| self.q[k * modes + i] = *value);
         }
-        self.weigh();
+        self.displace();
         self.unknowns_under(force, angular_frequency)
     }
 

@@ -1,49 +1,65 @@
 //! From forces at the ports to the modes, and from the modes to the ports.
 
-use super::{Balance, mean_square};
+use super::{Balance, mean_square, sized};
 use crate::harmonic::HarmonicError;
 use crate::harmonic::newton::system::Operating;
-use crate::numeric::fourier::multiplication;
 
 impl Balance {
-    /// Writes the displacements of all ports and the weights for the modal coefficients.
-    pub fn weigh(&mut self) {
-        let (modes, unknowns) = (self.modes(), self.residual.len());
+    /// Makes the displacements of all ports from the modal coefficients, `u = b·q − γ ½ qᵀG q`.
+    pub fn displace(&mut self) {
+        let modes = self.modes();
         self.moved.fill(0.0);
         for port in &self.ports {
-            let (rows, moved) = (port.rows.clone(), &mut self.moved[port.rows.clone()]);
+            let moved = &mut self.moved[port.rows.clone()];
+            for (moved, q) in moved.iter_mut().zip(self.q.chunks_exact(modes)) {
+                *moved = port.shape.iter().zip(q).map(|(b, q)| b * q).sum();
+            }
+            if port.shortening == 0.0 {
+                continue;
+            }
             for i in 0..modes {
-                let b = port.shape[i];
-                if port.shortening == 0.0 {
-                    for (k, moved) in moved.iter_mut().take(self.count).enumerate() {
-                        let place = k * modes + i;
-                        self.matrices.weights.as_mut_slice()[place * unknowns + rows.start + k] = b;
-                        *moved += b * self.q[place];
-                    }
-                    continue;
-                }
-                // w_i = b_i − γ (G q)_i, and u = ½ Σ (w_i + b_i) q_i.
-                self.shape.fill(0.0);
-                self.shape[0] = b;
                 let row = &self.system.shortening[i * modes..(i + 1) * modes];
-                for (s, q) in self.shape.iter_mut().zip(self.q.chunks_exact(modes)) {
-                    *s -= port.shortening * row.iter().zip(q).map(|(g, q)| g * q).sum::<f64>();
+                for ((turned, own), q) in
+                    self.shape.iter_mut().zip(&mut self.mode).zip(self.q.chunks_exact(modes))
+                {
+                    *turned = -0.5 * port.shortening * row.iter().zip(q).map(|(g, q)| g * q).sum::<f64>();
+                    *own = q[i];
                 }
-                let block = &mut self.block[..rows.len() * self.count];
-                multiplication(&self.shape, self.harmonics, rows.len(), block);
-                for (k, column) in block.chunks_exact(rows.len()).enumerate() {
-                    let place = k * modes + i;
-                    let weights = &mut self.matrices.weights.as_mut_slice()[place * unknowns..][rows.clone()];
-                    weights.copy_from_slice(column);
-                    let q = 0.5 * self.q[place];
-                    moved.iter_mut().zip(column).for_each(|(u, w)| *u += w * q);
-                    moved[k] += b * q;
-                }
+                self.product.set_signal(&self.shape, port.rows.len() / 2, self.harmonics);
+                self.product.add_product(&self.mode, moved);
             }
         }
     }
 
-    /// Projection of the stacked forces, `P[T w_i]` and the rest, with the weights of the last evaluation.
+    /// Makes the weights W, multiplication by `w_i = b_i − γ (G q)_i` for every port.
+    pub(super) fn weigh(&mut self) {
+        let (modes, unknowns) = (self.modes(), self.residual.len());
+        sized(&mut self.matrices.weights, unknowns, self.q.len());
+        for port in &self.ports {
+            for i in 0..modes {
+                let columns =
+                    self.matrices.weights.as_mut_slice()[i * unknowns..].chunks_mut(modes * unknowns);
+                let columns = columns.map(|column| &mut column[port.rows.clone()]);
+                let b = port.shape[i];
+                if port.shortening == 0.0 {
+                    for (k, column) in columns.enumerate() {
+                        column.fill(0.0);
+                        column[k] = b;
+                    }
+                    continue;
+                }
+                let row = &self.system.shortening[i * modes..(i + 1) * modes];
+                for (weight, q) in self.shape.iter_mut().zip(self.q.chunks_exact(modes)) {
+                    *weight = -port.shortening * row.iter().zip(q).map(|(g, q)| g * q).sum::<f64>();
+                }
+                self.shape[0] += b;
+                self.product.set_signal(&self.shape, port.rows.len() / 2, self.harmonics);
+                self.product.write(columns);
+            }
+        }
+    }
+
+    /// Projection of the stacked forces, `P[T w_i]` and the rest, with the weights made last.
     pub(super) fn project(&self, forces: &[f64], out: &mut [f64]) {
         let modes = self.modes();
         for (place, column) in self.matrices.weights.as_slice().chunks_exact(forces.len()).enumerate() {
@@ -53,7 +69,7 @@ impl Balance {
         }
     }
 
-    /// q under the forces of the last evaluation, and the weights.
+    /// q under the forces of the last evaluation, and the displacements.
     pub(super) fn respond(&mut self, at: &Operating) -> Result<(), HarmonicError> {
         let modes = self.modes();
         self.tension.fill(0.0);
@@ -76,7 +92,7 @@ impl Balance {
         if !self.equations.solve(&self.right, &mut self.q) {
             return Err(singular);
         }
-        self.weigh();
+        self.displace();
         Ok(())
     }
 }

@@ -8,8 +8,9 @@
 use nalgebra::DMatrix;
 
 use crate::harmonic::period::motion::Turning;
-use crate::harmonic::period::waves::{Waves, multiplication};
+use crate::harmonic::period::waves::Waves;
 use crate::numeric::HarmonicSet;
+use crate::numeric::multiplication::Multiplication;
 
 /// A turning point on which a slider's position depends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,7 +62,6 @@ struct Other {
     waves: Waves,
     stiffness: Waves,
     constant: Waves,
-    matrix: DMatrix<f64>,
     force: Vec<f64>,
 }
 
@@ -78,6 +78,7 @@ pub(super) struct PiecewiseForceIntegrals {
     by_constant: Waves,
     by_source: Vec<Waves>,
     spare: Vec<Waves>,
+    product: Multiplication,
     basis: Vec<f64>,
     pull: Vec<f64>,
     other: Option<Other>,
@@ -154,11 +155,10 @@ impl PiecewiseForceIntegrals {
         self.sum();
         self.by_stiffness.integrate();
         self.by_constant.integrate();
-        multiplication(&self.by_stiffness, set, set, fraction, jacobian);
+        self.by_stiffness.multiply(set, set, fraction, &mut self.product);
+        self.product.write(jacobian.as_mut_slice().chunks_exact_mut(force.len()));
         self.by_constant.coefficients(set, fraction, force);
-        for (column, u) in jacobian.as_slice().chunks_exact(force.len()).zip(u) {
-            force.iter_mut().zip(column).for_each(|(f, k)| *f += k * u);
-        }
+        self.product.add_product(u, force);
         for source in 0..self.sources {
             self.by_source[source].integrate();
         }
@@ -232,11 +232,10 @@ impl PiecewiseForceIntegrals {
                 waves: Waves::either(&stiffness, &constant),
                 stiffness,
                 constant,
-                matrix: DMatrix::zeros(kept.len(), set.len()),
                 force: vec![0.0; kept.len()],
             });
         }
-        let Some(Other { waves, stiffness, constant, matrix, force, .. }) = &mut self.other else { return };
+        let Some(Other { waves, stiffness, constant, force, .. }) = &mut self.other else { return };
         stiffness.clear();
         constant.clear();
         for change in &self.changes {
@@ -246,11 +245,9 @@ impl PiecewiseForceIntegrals {
         }
         stiffness.integrate();
         constant.integrate();
-        multiplication(stiffness, kept, set, fraction, matrix);
         constant.coefficients(kept, fraction, force);
-        for (column, u) in matrix.as_slice().chunks_exact(force.len()).zip(u) {
-            force.iter_mut().zip(column).for_each(|(f, k)| *f += k * u);
-        }
+        stiffness.multiply(kept, set, fraction, &mut self.product);
+        self.product.add_product(u, force);
         kept.convert(force, other, out);
     }
 }

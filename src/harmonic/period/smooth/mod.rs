@@ -15,12 +15,13 @@ use nalgebra::DMatrix;
 use super::motion::{Motion, Turning};
 use super::piecewise::{Path, tip_stiffness};
 use super::turning::turning_points;
-use super::waves::{Waves, multiplication};
+use super::waves::Waves;
 use super::{Cycle, CycleSummary, ForceMap, PeriodicContact};
 use crate::contact::{Inputs, SlipState, StateTangents};
 use crate::harmonic::HarmonicError;
 use crate::numeric::HarmonicSet;
 use crate::numeric::fourier::work_per_cycle;
+use crate::numeric::multiplication::Multiplication;
 use chain::{Chain, STEP_TOLERANCE, spring_step};
 use jump::Jump;
 use rule::{NODES, Node, Rule};
@@ -49,6 +50,7 @@ pub(crate) struct SmoothCycle {
     tangents: StateTangents,
     sums: Sums,
     matrix: DMatrix<f64>,
+    product: Multiplication,
     pull: Vec<f64>,
     basis: Vec<f64>,
     /// Phase, weighted force, and weight at all nodes; the weight is negative in stick.
@@ -104,6 +106,7 @@ impl SmoothCycle {
             tangents: StateTangents::default(),
             sums,
             matrix: DMatrix::zeros(size, size),
+            product: Multiplication::default(),
             pull: vec![0.0; size],
             basis: vec![0.0; size],
             history: Vec::new(),
@@ -134,10 +137,13 @@ impl SmoothCycle {
     fn finish(&mut self) {
         let (set, fraction) = (self.set, self.fraction);
         self.sums.force.coefficients(set, fraction, &mut self.result.force);
-        multiplication(&self.sums.stiffness, set, set, fraction, &mut self.result.jacobian);
+        let size = set.len();
+        self.sums.stiffness.multiply(set, set, fraction, &mut self.product);
+        self.product.write(self.result.jacobian.as_mut_slice().chunks_exact_mut(size));
         self.sums.by_frequency.coefficients(set, fraction, &mut self.result.by_frequency);
         if self.rated {
-            multiplication(&self.sums.damping, set, set, fraction, &mut self.matrix);
+            self.sums.damping.multiply(set, set, fraction, &mut self.product);
+            self.product.write(self.matrix.as_mut_slice().chunks_exact_mut(size));
             add_by_slope(set, &self.matrix, &mut self.result.jacobian);
         }
         let sources = (self.path.points.len() - 1) / if fraction < 1.0 { 2 } else { 1 };
@@ -145,7 +151,6 @@ impl SmoothCycle {
             self.sums.by_source[source].coefficients(set, fraction, &mut self.pull);
             self.sums.waves.fill(self.path.points[source].phase);
             self.sums.waves.basis(set, &mut self.basis);
-            let size = self.pull.len();
             for (column, b) in self.result.jacobian.as_mut_slice().chunks_exact_mut(size).zip(&self.basis) {
                 column.iter_mut().zip(&self.pull).for_each(|(m, p)| *m += p * b);
             }

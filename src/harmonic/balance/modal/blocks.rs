@@ -1,0 +1,108 @@
+//! The modal equations without what couples the higher harmonics, solved.
+
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, Dyn};
+
+use crate::numeric::fourier::coefficient_count;
+use crate::numeric::lu::Factors;
+
+/// The lowest harmonics, all modes of them together, and each mode of each of the others.
+#[derive(Debug, Default)]
+pub(super) struct Blocks {
+    modes: usize,
+    low: Block,
+    /// Inverse of the dynamic stiffness of each mode in each of the others, as `c − i s`.
+    high: Vec<[f64; 2]>,
+    /// Solutions of the low ones for all right sides.
+    solved: Vec<f64>,
+}
+
+/// All modes of the lowest harmonics.
+#[derive(Debug, Default)]
+struct Block {
+    factors: Factors,
+    /// With this many right sides are solved faster.
+    inverse: DMatrix<f64>,
+    /// Whether it is that of the present factors.
+    inverted: bool,
+}
+
+impl Blocks {
+    /// Factors the equations of `modes` modes: `fill` writes the matrix of the harmonics `0..=joint`, zero before, column-major;
+    /// `dynamic` is the dynamic stiffness of a mode in a higher harmonic, up to `harmonics`. False where one is singular.
+    pub fn factor(
+        &mut self,
+        modes: usize,
+        joint: usize,
+        harmonics: usize,
+        fill: impl Fn(&mut [f64]),
+        dynamic: impl Fn(usize, usize) -> (f64, f64),
+    ) -> bool {
+        self.modes = modes;
+        self.low.inverted = false;
+        fill(self.low.factors.reset(modes * coefficient_count(joint)));
+        self.high.clear();
+        for order in joint + 1..=harmonics {
+            self.high.extend((0..modes).map(|mode| {
+                let (dynamic, damping) = dynamic(mode, order);
+                let scale = 1.0 / (dynamic * dynamic + damping * damping);
+                [scale * dynamic, scale * damping]
+            }));
+        }
+        self.low.factors.factor()
+    }
+
+    /// Adds to `out` the solutions for `columns` right sides, one after the other in both.
+    pub fn add_solutions(&mut self, right: &[f64], out: &mut [f64], columns: usize) {
+        let (size, height) = (right.len() / columns, self.low.factors.size());
+        self.solved.resize(height * columns, 0.0);
+        if columns < height {
+            let pairs = self.solved.chunks_exact_mut(height).zip(right.chunks_exact(size));
+            for (solved, right) in pairs {
+                solved.copy_from_slice(&right[..height]);
+                self.low.factors.solve(solved);
+            }
+        } else {
+            let (rows, cols, along, across) = (Dyn(height), Dyn(columns), Dyn(1), Dyn(size));
+            let right = DMatrixView::from_slice_with_strides_generic(right, rows, cols, along, across);
+            let mut solved = DMatrixViewMut::from_slice(&mut self.solved, height, columns);
+            solved.gemm(1.0, self.low.inverse(), &right, 0.0);
+        }
+        let solutions = self.solved.chunks_exact(height).zip(right.chunks_exact(size));
+        for ((low, right), out) in solutions.zip(out.chunks_exact_mut(size)) {
+            let (first, others) = out.split_at_mut(height);
+            first.iter_mut().zip(low).for_each(|(out, solved)| *out += solved);
+            self.add_high(&right[height..], others);
+        }
+    }
+
+    /// Adds the solutions of the higher harmonics.
+    fn add_high(&self, right: &[f64], out: &mut [f64]) {
+        let modes = self.modes;
+        let orders = right.chunks_exact(2 * modes).zip(out.chunks_exact_mut(2 * modes));
+        for ((right, out), inverse) in orders.zip(self.high.chunks_exact(modes)) {
+            let (cosines, sines) = out.split_at_mut(modes);
+            let (rc, rs) = right.split_at(modes);
+            for i in 0..modes {
+                let [dynamic, damping] = inverse[i];
+                cosines[i] += dynamic * rc[i] - damping * rs[i];
+                sines[i] += dynamic * rs[i] + damping * rc[i];
+            }
+        }
+    }
+}
+
+impl Block {
+    fn inverse(&mut self) -> &DMatrix<f64> {
+        if !self.inverted {
+            let size = self.factors.size();
+            if self.inverse.nrows() != size {
+                self.inverse = DMatrix::zeros(size, size);
+            }
+            self.inverse.fill_with_identity();
+            let columns = self.inverse.as_mut_slice().chunks_exact_mut(size);
+            columns.for_each(|column| self.factors.solve(column));
+            self.inverted = true;
+        }
+        &self.inverse
+    }
+}
