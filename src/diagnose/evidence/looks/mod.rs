@@ -21,6 +21,8 @@ const IRRELEVANT: f64 = 0.3;
 const FEW: usize = 100;
 /// Multiple of a prior's deviation that first numbers of effects with a second one start from, too.
 const MORE: f64 = 10.0;
+/// Places of a second number from which a candidate is followed beside the model given, at most.
+const PLACES: usize = 3;
 /// Sets that are followed from the beginnings of records to their ends, at most.
 const LED: usize = 3;
 
@@ -87,9 +89,10 @@ impl Search<'_, '_, '_> {
             found.extend(self.best_glanced(looks, &given, &wanted));
         }
         rank(&mut found);
-        found.truncate(self.worth_a_look(&found));
+        self.keep_worth_a_look(&mut found, true);
         let mut found = moved_all(looks, found);
         rank(&mut found);
+        self.keep_worth_a_look(&mut found, false);
         // Several starts may lead to one place.
         let same = |a: &Set, b: &Set| a.members == b.members && (evidence(a) - evidence(b)).abs() < WORTH;
         let mut apart: Vec<Set> = Vec::new();
@@ -157,26 +160,34 @@ impl Search<'_, '_, '_> {
         probe::amounts(self.candidates, &unseen, &[1.0])
     }
 
-    /// The best of each candidate after a glance from `starts` beside `from`.
+    /// The best of each candidate after a glance from `starts` beside `from`, of those with several places a few: which of
+    /// them leads on, a glance does not tell.
     fn best_glanced(&self, looks: &Measured, from: &Set, starts: &[Probe]) -> Vec<Set> {
         let glanced = |start| self.glanced(looks, from, None, start);
-        let seen: Vec<Set> = starts.par_iter().filter_map(glanced).collect();
-        best_of_each(seen.into_iter())
+        let mut seen: Vec<Set> = starts.par_iter().filter_map(glanced).collect();
+        rank(&mut seen);
+        let mut kept = vec![0; self.candidates.len()];
+        seen.retain(|set| {
+            let candidate = set.members[0];
+            kept[candidate] += 1;
+            kept[candidate] <= if self.candidates[candidate].has_places() { PLACES } else { 1 }
+        });
+        seen
     }
 
-    /// How many of the ranked `found`, of one member each, come near the best, or are of the first effects: what ends far from
-    /// where it would lead after a glance may have several places, or several others, before it.
-    fn worth_a_look(&self, found: &[Set]) -> usize {
+    /// Leaves of the ranked `found`, of one member each, those that come near the best or are of the first effects, and the best
+    /// of every effect if `each`: what ends far from where it would lead after a glance may have many before it.
+    fn keep_worth_a_look(&self, found: &mut Vec<Set>, each: bool) {
         let least = found.first().map_or(0.0, evidence) - BEHIND;
-        let effect = |set: &Set| self.candidates[set.members[0]].candidate.effect.id;
         let mut effects: Vec<&str> = Vec::new();
-        let worth = |set: &&Set| {
-            if !effects.contains(&effect(set)) {
-                effects.push(effect(set));
+        found.retain(|set| {
+            let effect = self.candidates[set.members[0]].candidate.effect.id;
+            let new = !effects.contains(&effect);
+            if new {
+                effects.push(effect);
             }
-            evidence(set) > least || effects.len() <= TWICE
-        };
-        found.iter().take_while(worth).count()
+            evidence(set) > least || effects.len() <= TWICE || each && new
+        });
     }
 
     /// `sets` looked at as the data are: what a line or a motion as it was measured promises can be compared with the same of
@@ -307,17 +318,20 @@ mod tests {
             others.dedup_by_key(|member| id(member));
             assert!(same.len() > 1 && others.len() > TWICE);
             // All but the first so far behind.
-            let worth = |behind: f64| {
+            let worth = |behind: f64, each: bool| {
                 let set = |(k, member): (usize, &usize)| {
                     let log_evidence = if k == 0 { 0.0 } else { -behind };
                     let posterior = Posterior { log_evidence, ..base.clone() };
                     Set { members: vec![*member], discrepancy: None, posterior, screened: true }
                 };
-                let sets: Vec<Set> = same.iter().chain(&others).enumerate().map(set).collect();
-                search.worth_a_look(&sets)
+                let all = same.iter().chain(&others).chain(&others);
+                let mut sets: Vec<Set> = all.enumerate().map(set).collect();
+                search.keep_worth_a_look(&mut sets, each);
+                sets.len()
             };
-            assert_eq!(worth(2.0 * BEHIND), same.len() + TWICE - 1);
-            assert_eq!(worth(0.5 * BEHIND), same.len() + others.len());
+            assert_eq!(worth(2.0 * BEHIND, false), same.len() + TWICE - 1);
+            assert_eq!(worth(2.0 * BEHIND, true), same.len() + others.len());
+            assert_eq!(worth(0.5 * BEHIND, false), same.len() + 2 * others.len());
         });
     }
 
@@ -365,7 +379,8 @@ mod tests {
             let (mass, left) = found(&truth, &given, &levels, ".mass");
             // The noise is uniform, of at most half a hundredth.
             assert!(left < 0.01, "{hung} kg at {frequency} Hz");
-            assert!((mass / hung - 1.0).abs() < 0.1, "{mass} for {hung} kg");
+            // Where it hardly lets the beam move, a stiffer beam under a lighter one moves the same.
+            assert!((mass / hung - 1.0).abs() < 0.15, "{mass} for {hung} kg");
         }
     }
 
