@@ -3,12 +3,13 @@
 //! The product of a wave of harmonic n and one of harmonic b is half of waves of the harmonics n + b and n − b. Where
 //! `p_n = (c_n, s_n)` are the coefficients of a signal k, `p_−n = (c_n, −s_n)`, and `r_n = (s_n, −c_n)`, its product with
 //! `cos bθ` has the coefficients `½ (p_{a−b} + p_{a+b})` in harmonic a, and that with `sin bθ` has `½ (r_{a+b} − r_{a−b})`:
-//! sums of two stretches of one array, whatever b.
+//! sums of two stretches of one array, whatever b. As a wave of harmonic 0 the mean counts twice, `p_0 = (2 a_0, 0)`, and the
+//! mean of a product is half of what the other coefficients are.
 
 use crate::numeric::HarmonicSet;
 
 /// "Multiply by k, and keep some harmonics" for signals of given harmonics, as a matrix on coefficients or applied.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct Multiplication {
     /// Harmonics that are kept.
     rows: HarmonicSet,

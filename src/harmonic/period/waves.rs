@@ -127,11 +127,14 @@ impl Waves {
         product: &mut Multiplication,
     ) {
         let norm = 1.0 / (fraction * PI);
-        // Of two odd sets no odd order comes up.
-        let present = |order: usize| {
-            if order.is_multiple_of(2) { self.even.get(order / 2) } else { self.odd.get(order / 2) }
+        let of = |order: usize| {
+            let pair =
+                if order.is_multiple_of(2) { self.even.get(order / 2) } else { self.odd.get(order / 2) };
+            // No column uses odd orders between two odd sets.
+            debug_assert!(pair.is_some() || order % 2 == 1 && rows.is_odd() && columns.is_odd());
+            pair.map_or([0.0; 2], |pair| pair.map(|x| norm * x))
         };
-        product.set(rows, columns, |order| present(order).map_or([0.0; 2], |pair| pair.map(|x| norm * x)));
+        product.set(rows, columns, of);
     }
 
     /// Values of the basis functions on `set`.

@@ -21,7 +21,7 @@ const IRRELEVANT: f64 = 0.3;
 const FEW: usize = 100;
 /// Multiple of a prior's deviation that first numbers of effects with a second one start from, too.
 const MORE: f64 = 10.0;
-/// Places of a second number from which a candidate is followed beside the model given, at most.
+/// Starts from which a candidate with several places of a second number is followed beside the model given, at most.
 const PLACES: usize = 3;
 /// Sets that are followed from the beginnings of records to their ends, at most.
 const LED: usize = 3;
@@ -89,10 +89,11 @@ impl Search<'_, '_, '_> {
             found.extend(self.best_glanced(looks, &given, &wanted));
         }
         rank(&mut found);
-        self.keep_worth_a_look(&mut found, true);
+        let each = true;
+        self.keep_worth_a_look(&mut found, each);
         let mut found = moved_all(looks, found);
         rank(&mut found);
-        self.keep_worth_a_look(&mut found, false);
+        self.keep_worth_a_look(&mut found, !each);
         // Several starts may lead to one place.
         let same = |a: &Set, b: &Set| a.members == b.members && (evidence(a) - evidence(b)).abs() < WORTH;
         let mut apart: Vec<Set> = Vec::new();
@@ -175,8 +176,8 @@ impl Search<'_, '_, '_> {
         seen
     }
 
-    /// Leaves of the ranked `found`, of one member each, those that come near the best or are of the first effects, and the best
-    /// of every effect if `each`: what ends far from where it would lead after a glance may have many before it.
+    /// Keeps of the ranked `found`, of one member each, those that come near the best or before a ninth effect, and the best of
+    /// `each` effect if that is asked for: what ends far from where it would lead after a glance may have many before it.
     fn keep_worth_a_look(&self, found: &mut Vec<Set>, each: bool) {
         let least = found.first().map_or(0.0, evidence) - BEHIND;
         let mut effects: Vec<&str> = Vec::new();
@@ -332,6 +333,25 @@ mod tests {
             assert_eq!(worth(2.0 * BEHIND, false), same.len() + TWICE - 1);
             assert_eq!(worth(2.0 * BEHIND, true), same.len() + others.len());
             assert_eq!(worth(0.5 * BEHIND, false), same.len() + 2 * others.len());
+        });
+    }
+
+    #[test]
+    fn what_has_several_places_is_followed_from_some_of_them() {
+        let (truth, given) = (beam(1.94e11, 0.4, ""), beam(1.915e11, 0.34, ""));
+        searching(&given, &steady(&truth), &["hanging_mass", "residual_stiffness"], 1, |search, base| {
+            let empty = Set { members: Vec::new(), discrepancy: None, posterior: base, screened: false };
+            let all: Vec<usize> = (0..search.candidates.len()).collect();
+            let starts = probe::amounts(search.candidates, &all, SIZES);
+            let found = search.best_glanced(search.looks.unwrap(), &empty, &starts);
+            let of = |effect: &str| -> Vec<f64> {
+                let id = |set: &&Set| search.candidates[set.members[0]].candidate.effect.id == effect;
+                found.iter().filter(id).map(evidence).collect()
+            };
+            assert_eq!(of("residual_stiffness").len(), 1);
+            let placed = of("hanging_mass");
+            assert_eq!(placed.len(), PLACES);
+            assert!(placed.is_sorted_by(|a, b| a >= b));
         });
     }
 

@@ -10,7 +10,7 @@ use crate::numeric::lu::Factors;
 pub(super) struct Blocks {
     modes: usize,
     low: Block,
-    /// Inverse of the dynamic stiffness of each mode in each of the others, as `c − i s`.
+    /// Inverse of what each mode's own motion makes of it in each of the others, as `c − i s`.
     high: Vec<[f64; 2]>,
     /// Solutions of the low ones for all right sides.
     solved: Vec<f64>,
@@ -28,7 +28,8 @@ struct Block {
 
 impl Blocks {
     /// Factors the equations of `modes` modes: `fill` writes the matrix of the harmonics `0..=joint`, zero before, column-major;
-    /// `dynamic` is the dynamic stiffness of a mode in a higher harmonic, up to `harmonics`. False where one is singular.
+    /// `dynamic` is the stiffness of a mode in a higher harmonic, up to `harmonics`, and its damping force per displacement.
+    /// False where one is singular.
     pub fn factor(
         &mut self,
         modes: usize,
@@ -48,7 +49,7 @@ impl Blocks {
                 [scale * dynamic, scale * damping]
             }));
         }
-        self.low.factors.factor()
+        self.low.factors.factor() && self.high.as_flattened().iter().all(|x| x.is_finite())
     }
 
     /// Adds to `out` the solutions for `columns` right sides, one after the other in both.

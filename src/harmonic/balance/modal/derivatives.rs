@@ -87,7 +87,6 @@ impl Balance {
         self.differentiate_laws(at);
         self.equations.solve_many(&self.matrices.adjoint, &mut self.matrices.moved);
         self.complete = false;
-        self.undifferentiated = None;
     }
 
     /// Makes the derivatives of the last evaluation if they are not made yet.

@@ -6,9 +6,9 @@
 //! `modes × coefficients`.
 //!
 //! Solved by iteration: the low harmonics, where the response is resonant and the force strong, are inverted
-//! together, the rest mode by mode. The remainder converges within a few rounds; where it does not, under a force
-//! that nearly buckles the beam or more, minimal residuals find the way, and where they do not, more harmonics join
-//! the low ones, in the end all of them.
+//! together, the rest mode by mode, each with what the mean of the force makes of it alone. The remainder converges within a
+//! few rounds; where it does not, a few more harmonics join the low ones. Under a force that nearly buckles the beam or
+//! more, minimal residuals find the way, and where they do not, more harmonics join, in the end all of them.
 
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVector, Dyn};
 
@@ -19,6 +19,7 @@ use crate::harmonic::newton::system::Operating;
 use crate::numeric::fourier::coefficient_count;
 use crate::numeric::gmres::Krylov;
 use crate::numeric::multiplication::Multiplication;
+use crate::numeric::random::Random;
 
 /// Highest harmonic of those first inverted together.
 const FIRST_JOINT: usize = 2;
@@ -60,6 +61,10 @@ pub(crate) struct ModalEquations {
     many: DMatrix<f64>,
     many_coupled: DMatrix<f64>,
     krylov: Krylov,
+    /// The last change of each of many solutions, and how far it is.
+    progress: Vec<(f64, Progress)>,
+    /// A mixture of them.
+    mixed: Vec<f64>,
     /// What [`Krylov`] works on: a product with A, and the right side.
     multiplied: Vec<f64>,
     prepared: Vec<f64>,
@@ -87,6 +92,8 @@ impl ModalEquations {
             many: DMatrix::zeros(0, 0),
             many_coupled: DMatrix::zeros(0, 0),
             krylov: Krylov::default(),
+            progress: Vec::new(),
+            mixed: vec![0.0; modes * count],
             multiplied: vec![0.0; modes * count],
             prepared: vec![0.0; modes * count],
         };
@@ -124,7 +131,7 @@ impl ModalEquations {
         self.joint = FIRST_JOINT.min(self.harmonics);
     }
 
-    /// Sets the operating point and the contact force (coefficients of twice the harmonics, or more).
+    /// Sets the operating point and the contact force (coefficients of as many harmonics as the contact has).
     /// False where the equations are singular.
     pub fn set(&mut self, at: &Operating, force: &[f64]) -> bool {
         self.at = *at;
@@ -280,20 +287,69 @@ impl ModalEquations {
     }
 
     /// Writes `A⁻¹ right`, column by column, to `out`, as precisely as derivatives need it. After [`Self::solve`], which tells
-    /// whether there is anything to iterate.
+    /// where minimal residuals are faster than rounds.
     pub fn solve_many(&mut self, right: &DMatrix<f64>, out: &mut DMatrix<f64>) {
         let (size, columns) = right.shape();
-        out.fill(0.0);
-        self.blocks.add_solutions(right.as_slice(), out.as_mut_slice(), columns);
-        if self.contraction <= self.derivative_error {
-            return;
+        let mut progress = std::mem::take(&mut self.progress);
+        progress.clear();
+        if self.contraction > SLOW {
+            progress.resize(columns, (0.0, Progress::Slow));
+        } else {
+            out.fill(0.0);
+            self.blocks.add_solutions(right.as_slice(), out.as_mut_slice(), columns);
+            progress.extend(out.as_slice().chunks_exact(size).map(|x| (largest(x), Progress::Converging)));
+            if self.error_of_mixture(right, out, &progress) > self.derivative_error {
+                self.iterate_many(right, out, &mut progress);
+            } else {
+                progress.iter_mut().for_each(|(_, progress)| *progress = Progress::Finished);
+            }
         }
+        let columns = right.as_slice().chunks_exact(size).zip(out.as_mut_slice().chunks_exact_mut(size));
+        for ((right, out), (_, progress)) in columns.zip(&progress) {
+            if *progress != Progress::Finished {
+                self.minimise(right, out, self.derivative_error);
+            }
+        }
+        self.progress = progress;
+    }
+
+    /// Largest change of a round, as a fraction, in a mixture of the solutions `x` in which each has the same size, that by
+    /// `sizes`: for a hundredth of the work it tells whether any has far to go.
+    fn error_of_mixture(&mut self, right: &DMatrix<f64>, x: &DMatrix<f64>, sizes: &[(f64, Progress)]) -> f64 {
+        let mut mixed = std::mem::take(&mut self.mixed);
+        let mut source = std::mem::take(&mut self.prepared);
+        let mut product = std::mem::take(&mut self.multiplied);
+        mixed.fill(0.0);
+        source.fill(0.0);
+        // Signs without a pattern, that nothing cancels.
+        let mut signs = Random::new(1);
+        for ((x, right), (size, _)) in x.column_iter().zip(right.column_iter()).zip(sizes) {
+            let sign = if signs.uniform() < 0.5 { 1.0 } else { -1.0 };
+            let weight = sign / size.max(f64::MIN_POSITIVE);
+            mixed.iter_mut().zip(&x).for_each(|(sum, x)| *sum += weight * x);
+            source.iter_mut().zip(&right).for_each(|(sum, right)| *sum += weight * right);
+        }
+        self.multiply(&mixed, &mut product);
+        source.iter_mut().zip(&product).for_each(|(r, ax)| *r -= ax);
+        mixed.fill(0.0);
+        self.blocks.add_solutions(&source, &mut mixed, 1);
+        let error = largest(&mixed);
+        (self.mixed, self.prepared, self.multiplied) = (mixed, source, product);
+        error
+    }
+
+    /// Rounds until each column converged, or is found to converge slowly.
+    fn iterate_many(
+        &mut self,
+        right: &DMatrix<f64>,
+        out: &mut DMatrix<f64>,
+        progress: &mut [(f64, Progress)],
+    ) {
+        let (size, columns) = right.shape();
         if self.many.shape() != right.shape() {
             self.many = right.clone();
             self.many_coupled = right.clone();
         }
-        let mut before: Vec<f64> = out.as_slice().chunks_exact(size).map(largest).collect();
-        let mut progress = vec![Progress::Converging; columns];
         for _ in 0..ROUNDS {
             self.residual_of_many(right, out);
             self.many_coupled.fill(0.0);
@@ -301,25 +357,21 @@ impl ModalEquations {
             *out += &self.many_coupled;
             let steps =
                 self.many_coupled.as_slice().chunks_exact(size).zip(out.as_slice().chunks_exact(size));
-            for ((before, progress), (step, x)) in before.iter_mut().zip(&mut progress).zip(steps) {
+            for ((before, progress), (step, x)) in progress.iter_mut().zip(steps) {
                 let change = largest(step);
                 let contraction = change / before.max(f64::MIN_POSITIVE);
                 *before = change;
                 *progress = match *progress {
-                    Progress::Slow => Progress::Slow,
-                    _ if contraction * change <= self.derivative_error * largest(x) => Progress::Finished,
-                    _ if contraction <= SLOW => Progress::Converging,
-                    _ => Progress::Slow,
+                    Progress::Converging if contraction * change <= self.derivative_error * largest(x) => {
+                        Progress::Finished
+                    }
+                    Progress::Converging if contraction > SLOW => Progress::Slow,
+                    known => known,
                 };
             }
-            if !progress.contains(&Progress::Converging) {
+            if progress.iter().all(|(_, progress)| *progress != Progress::Converging) {
                 break;
             }
-        }
-        let columns = right.as_slice().chunks_exact(size).zip(out.as_mut_slice().chunks_exact_mut(size));
-        for ((right, out), _) in columns.zip(progress).filter(|(_, progress)| *progress != Progress::Finished)
-        {
-            self.minimise(right, out, self.derivative_error);
         }
     }
 

@@ -149,6 +149,8 @@ pub(crate) struct Balance {
     shape: Vec<f64>,
     mode: Vec<f64>,
     product: Multiplication,
+    /// Coefficients of the shortening `½ qᵀG q` of the last evaluation.
+    shorter: Vec<f64>,
     matrices: Matrices,
     residual: Vec<f64>,
     /// Whether the Jacobian is that of the last evaluation: it costs two large products, and a solution needs none.
@@ -226,6 +228,7 @@ impl Balance {
             shape: vec![0.0; count],
             mode: vec![0.0; count],
             product: Multiplication::default(),
+            shorter: vec![0.0; wide],
             matrices,
             residual: vec![0.0; unknowns],
             complete: false,

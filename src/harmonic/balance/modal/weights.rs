@@ -8,26 +8,34 @@ impl Balance {
     /// Makes the displacements of all ports from the modal coefficients, `u = b·q − γ ½ qᵀG q`.
     pub fn displace(&mut self) {
         let modes = self.modes();
+        if self.ports.iter().any(|port| port.shortening != 0.0) {
+            self.shorten();
+        }
         self.moved.fill(0.0);
         for port in &self.ports {
             let moved = &mut self.moved[port.rows.clone()];
             for (moved, q) in moved.iter_mut().zip(self.q.chunks_exact(modes)) {
                 *moved = port.shape.iter().zip(q).map(|(b, q)| b * q).sum();
             }
-            if port.shortening == 0.0 {
-                continue;
+            if port.shortening != 0.0 {
+                moved.iter_mut().zip(&self.shorter).for_each(|(u, shorter)| *u -= port.shortening * shorter);
             }
-            for i in 0..modes {
-                let row = &self.system.shortening[i * modes..(i + 1) * modes];
-                for ((turned, own), q) in
-                    self.shape.iter_mut().zip(&mut self.mode).zip(self.q.chunks_exact(modes))
-                {
-                    *turned = -0.5 * port.shortening * row.iter().zip(q).map(|(g, q)| g * q).sum::<f64>();
-                    *own = q[i];
-                }
-                self.product.set_signal(&self.shape, port.rows.len() / 2, self.harmonics);
-                self.product.add_product(&self.mode, moved);
+        }
+    }
+
+    /// Makes `½ qᵀG q`.
+    fn shorten(&mut self) {
+        let modes = self.modes();
+        self.shorter.fill(0.0);
+        for i in 0..modes {
+            let row = &self.system.shortening[i * modes..(i + 1) * modes];
+            let both = self.shape.iter_mut().zip(&mut self.mode);
+            for ((turned, own), q) in both.zip(self.q.chunks_exact(modes)) {
+                *turned = 0.5 * row.iter().zip(q).map(|(g, q)| g * q).sum::<f64>();
+                *own = q[i];
             }
+            self.product.set_signal(&self.shape, self.wide / 2, self.harmonics);
+            self.product.add_product(&self.mode, &mut self.shorter);
         }
     }
 
