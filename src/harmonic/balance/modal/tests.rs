@@ -137,8 +137,8 @@ fn jacobian_equals_central_differences() {
 fn many_solutions_are_each_as_precise_as_derivatives_need() {
     let system = ModalSystem::new(&beam().system(None).unwrap()).unwrap();
     let mut random = fastrand::Rng::with_seed(1);
-    // The beam buckles at some 3 kN.
-    for size in [0.1, 10.0, 100.0, 1e3, 3e3, 1e4, 3e4, 1e5].repeat(4) {
+    // The beam buckles at some 3 kN. Far beyond that a small residual, of which minimal residuals make sure, says little.
+    for size in [0.1, 10.0, 100.0, 1e3, 3e3, 1e4].repeat(5) {
         let mut equations = ModalEquations::new(&system, 12);
         let force: Vec<f64> = (0..coefficient_count(24))
             .map(|k| size * (random.f64() - 0.5) / (1.0 + 0.5 * k as f64))
