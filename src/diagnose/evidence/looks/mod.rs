@@ -89,11 +89,11 @@ impl Search<'_, '_, '_> {
             found.extend(self.best_glanced(looks, &given, &wanted));
         }
         rank(&mut found);
-        let each = true;
-        self.keep_worth_a_look(&mut found, each);
+        // About these motions nothing is solved for: each effect is worth a look.
+        self.keep_worth_a_look(&mut found, true);
         let mut found = moved_all(looks, found);
         rank(&mut found);
-        self.keep_worth_a_look(&mut found, !each);
+        self.keep_worth_a_look(&mut found, false);
         // Several starts may lead to one place.
         let same = |a: &Set, b: &Set| a.members == b.members && (evidence(a) - evidence(b)).abs() < WORTH;
         let mut apart: Vec<Set> = Vec::new();

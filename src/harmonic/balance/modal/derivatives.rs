@@ -7,22 +7,6 @@ use nalgebra::{DMatrix, DMatrixViewMut};
 
 /// Entries of a column beyond which it counts as full.
 const FEW: usize = 4;
-/// Columns that are written side by side: each is a stretch of memory of its own.
-const STRIP: usize = 8;
-
-/// `out = matrixᵀ`, strip by strip.
-fn transpose(matrix: &DMatrix<f64>, out: &mut DMatrix<f64>) {
-    let (rows, columns) = matrix.shape();
-    for (strip, targets) in out.as_mut_slice().chunks_mut(STRIP * columns).enumerate() {
-        let first = strip * STRIP;
-        let width = STRIP.min(rows - first);
-        for (place, column) in matrix.as_slice().chunks_exact(rows).enumerate() {
-            for (k, x) in column[first..first + width].iter().enumerate() {
-                targets[k * columns + place] = *x;
-            }
-        }
-    }
-}
 
 /// `out = W x` for a port that moves along `shape` and does not shorten: harmonic by harmonic.
 fn along(shape: &[f64], x: &DMatrix<f64>, modes: usize, out: &mut DMatrixViewMut<f64>) {
@@ -75,7 +59,7 @@ impl Balance {
         sized(&mut self.matrices.adjoint, size, rows);
         sized(&mut self.matrices.moved, size, rows);
         let Matrices { weights, adjoint, .. } = &mut self.matrices;
-        transpose(weights, adjoint);
+        weights.transpose_to(adjoint);
         for (column, scale) in adjoint.as_mut_slice().chunks_exact_mut(size).zip(&self.mean_squares) {
             // Both are ½ but for means.
             let (mean, others) = column.split_at_mut(modes);

@@ -65,7 +65,7 @@ pub(crate) struct ModalEquations {
     progress: Vec<(f64, Progress)>,
     /// A mixture of them.
     mixed: Vec<f64>,
-    /// What [`Krylov`] works on: a product with A, and the right side.
+    /// What [`Krylov`], or a mixture, works on: a product with A, and the right side.
     multiplied: Vec<f64>,
     prepared: Vec<f64>,
 }
@@ -314,7 +314,7 @@ impl ModalEquations {
     }
 
     /// Largest change of a round, as a fraction, in a mixture of the solutions `x` in which each has the same size, that by
-    /// `sizes`: for a hundredth of the work it tells whether any has far to go.
+    /// `sizes`: for the work of one column it tells whether any has far to go.
     fn error_of_mixture(&mut self, right: &DMatrix<f64>, x: &DMatrix<f64>, sizes: &[(f64, Progress)]) -> f64 {
         let mut mixed = std::mem::take(&mut self.mixed);
         let mut source = std::mem::take(&mut self.prepared);
