@@ -1,6 +1,6 @@
 //! A beam excited as measured through whole periods of a steady state.
 
-use super::balance::{At, SteadyRecord};
+use super::balance::{At, Precision, SteadyRecord};
 use super::linearised::LinearisedAtMeasurement;
 use crate::data::{Channel, Record};
 use crate::fit::least_squares::{Parameter, Scale};
@@ -65,12 +65,15 @@ impl<'r> SteadyBeam<'r> {
             Core::Modal { angular_frequency, .. } => angular_frequency.iter().copied().fold(0.0, f64::max),
             Core::Matrices { .. } => 0.0,
         };
-        let mut steady = SteadyRecord::new(record, &channels, highest, 1)?;
+        let balanced = |precision| SteadyRecord::new(record, &channels, highest, precision);
         let solver = match seed {
             Some(Seed::LinearisedAtMeasurement) => {
-                Solver::Linearised(Box::new(LinearisedAtMeasurement::new(steady)))
+                // An excitation may have more harmonics than those.
+                let rough = balanced(Precision::Rough).or_else(|_| balanced(Precision::Finer(1)))?;
+                Solver::Linearised(Box::new(LinearisedAtMeasurement::new(rough)))
             }
             seed => {
+                let mut steady = balanced(Precision::Finer(1))?;
                 if let Some(Seed::Near(start)) = seed {
                     steady.start_from(start);
                 }
@@ -88,8 +91,8 @@ impl<'r> SteadyBeam<'r> {
     fn in_more_harmonics(&self, finer: usize) -> Option<SteadyRecord> {
         let Solver::Balance(steady) = &self.solver else { return None };
         let start = steady.start()?;
-        let finer = finer.min(MOST_FINER);
-        let mut more = SteadyRecord::new(self.record, &self.channels, self.highest, finer).ok()?;
+        let precision = Precision::Finer(finer.min(MOST_FINER));
+        let mut more = SteadyRecord::new(self.record, &self.channels, self.highest, precision).ok()?;
         more.start_from_fewer(start);
         Some(more)
     }

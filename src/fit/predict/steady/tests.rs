@@ -1,6 +1,6 @@
 //! Predictions of beams and their derivatives.
 
-use super::balance::{At, SteadyRecord};
+use super::balance::{At, Precision, SteadyRecord};
 use crate::data::{Channel, Record, Regime};
 use crate::fit::predict::observed::ObservedSimulation;
 use crate::fit::predict::observed_system::{observed_assembly, observed_system};
@@ -226,7 +226,7 @@ fn refined_predictions_are_nearer_to_those_of_very_many_harmonics() {
         let system = observed_system(&model, &[0.55, 0.1]).unwrap();
         let Core::Modal { angular_frequency, .. } = &system.core else { panic!("a beam has modes") };
         let highest = angular_frequency.iter().copied().fold(0.0, f64::max);
-        let mut many = SteadyRecord::new(&record, &channels, highest, 8).unwrap();
+        let mut many = SteadyRecord::new(&record, &channels, highest, Precision::Finer(8)).unwrap();
         many.start_from_fewer(simulation.solution().unwrap());
         let assembly = observed_assembly(system, &model, None, 0.0);
         let mut reference = Vec::new();
