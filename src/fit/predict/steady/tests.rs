@@ -269,6 +269,39 @@ fn about_the_measured_motion_predictions_are_right_to_first_order() {
     assert!(none < 1e-3 && small < 0.1 * change && large < 0.1 * twice);
 }
 
+/// Predictions about a measured motion have the harmonics up to the highest mode, and those of an excitation that has more.
+#[test]
+fn what_excites_beyond_the_highest_mode_is_not_left_out_about_the_measured_motion() {
+    let (model, frequency) = (model(""), 51.0);
+    let silent = record(6.0, frequency);
+    let channels: Vec<&Channel> = silent.channels[2..].iter().collect();
+    let system = observed_system(&model, &[0.55, 0.1]).unwrap();
+    let Core::Modal { angular_frequency, .. } = &system.core else { panic!("a beam has modes") };
+    let highest = angular_frequency.iter().copied().fold(0.0, f64::max);
+    let harmonics = |precision| {
+        let balanced = SteadyRecord::new(&silent, &channels, highest, precision);
+        balanced.ok().unwrap().measured.harmonics
+    };
+    let (rough, all) = (harmonics(Precision::Rough), harmonics(Precision::Finer(1)));
+    assert!(rough < all && all < SAMPLES / 2, "{rough} {all}");
+    let mut high = silent.clone();
+    let speed = std::f64::consts::TAU * frequency * all as f64;
+    let time = high.channels[0].values.clone();
+    high.channels[1].values.iter_mut().zip(time).for_each(|(force, t)| *force += 3.0 * (speed * t).cos());
+    assert!(SteadyRecord::new(&high, &channels, highest, Precision::Rough).is_err());
+    for silent in [silent.clone(), high] {
+        let measured = showing(&model, &[], silent);
+        let mut about = regimes::simulation(&model, &measured, Some(&Seed::LinearisedAtMeasurement)).unwrap();
+        let mut predicted = Vec::new();
+        about.predict(&model, &[], &mut predicted).unwrap();
+        let shown: Vec<f64> =
+            measured.channels[2..].iter().flat_map(|channel| channel.values.clone()).collect();
+        let size = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>().sqrt();
+        let apart = size(&mut predicted.iter().zip(&shown).map(|(a, b)| a - b));
+        assert!(apart < 1e-3 * size(&mut shown.iter().copied()), "{apart:e}");
+    }
+}
+
 /// A contact that sticks all through a steady state keeps the force it was left with, which the sensors show; one that
 /// slips keeps nothing.
 #[test]
