@@ -18,8 +18,44 @@ use crate::harmonic::{HarmonicError, Method};
 use crate::numeric::HarmonicSet;
 use crate::system::Element;
 
-/// Maps of laws, and the unknowns that each is for.
-pub(super) type Maps = Vec<(Range<usize>, ContactMap)>;
+/// What carries contacts over a period, with the unknowns that each is for.
+#[derive(Debug, Default)]
+pub(super) struct Maps {
+    laws: Vec<(Range<usize>, ContactMap)>,
+    pairs: Vec<([Range<usize>; 2], Box<PairCycle>)>,
+}
+
+impl Maps {
+    /// Those of all that acted.
+    pub fn of(acting: Vec<Acting>) -> Self {
+        let mut maps = Self::default();
+        for acting in acting {
+            match acting {
+                Acting::Law { rows, attached } => maps.laws.push((rows, attached.cycle)),
+                Acting::SlipSlap { rows, cycle, .. } => maps.pairs.push((rows, cycle)),
+                _ => {}
+            }
+        }
+        maps
+    }
+
+    fn law(&mut self, rows: &Range<usize>, method: Method) -> ContactMap {
+        match self.laws.iter().position(|(of, _)| of == rows) {
+            Some(place) => self.laws.swap_remove(place).1,
+            None => ContactMap::new(HarmonicSet::full(rows.len() / 2), method, 0.0),
+        }
+    }
+
+    fn pair(&mut self, rows: &[Range<usize>; 2], method: Method) -> Box<PairCycle> {
+        match self.pairs.iter().position(|(of, _)| of == rows) {
+            Some(place) => self.pairs.swap_remove(place).1,
+            None => {
+                let harmonics = [rows[0].len() / 2, rows[1].len() / 2];
+                Box::new(PairCycle::new(harmonics, method.samples_in_motion()))
+            }
+        }
+    }
+}
 
 /// An element at the unknowns of its ports.
 #[derive(Debug)]
@@ -48,14 +84,10 @@ pub(super) fn acting(
 ) -> Vec<Acting> {
     let system = &assembly.system;
     let rows = |place: usize| Some(ports.get(names.place(&system.ports[place].name)?)?.rows.clone());
-    let mut map = |rows: &Range<usize>| match left.iter().position(|(of, _)| of == rows) {
-        Some(place) => left.swap_remove(place).1,
-        None => ContactMap::new(HarmonicSet::full(rows.len() / 2), method, 0.0),
-    };
     let one = |(place, element): (usize, &Element)| match element {
         Element::Law { port, law, normal_load } => {
             let rows = rows(*port)?;
-            let attached = Attached::new(assembly, place, (law, *normal_load), map(&rows));
+            let attached = Attached::new(assembly, place, (law, *normal_load), left.law(&rows, method));
             Some(Acting::Law { rows, attached: Box::new(attached) })
         }
         Element::Springs { ports: [a, b], stiffness } => {
@@ -66,8 +98,7 @@ pub(super) fn acting(
         }
         Element::SlipSlap { ports: [a, b], contact } => {
             let rows = [rows(*a)?, rows(*b)?];
-            let harmonics = [rows[0].len() / 2, rows[1].len() / 2];
-            let cycle = Box::new(PairCycle::new(harmonics, method.samples_in_motion()));
+            let cycle = left.pair(&rows, method);
             Some(Acting::SlipSlap { rows, contact: contact.clone(), cycle })
         }
         Element::Resonator { port, mass, angular_frequency, damping_ratio } => {
@@ -80,14 +111,6 @@ pub(super) fn acting(
 }
 
 impl Acting {
-    /// The map of a law, for another to use.
-    pub fn into_map(self) -> Option<(Range<usize>, ContactMap)> {
-        match self {
-            Self::Law { rows, attached } => Some((rows, attached.cycle)),
-            _ => None,
-        }
-    }
-
     /// A law and its unknowns.
     pub fn law(&self) -> Option<(&Range<usize>, &Attached)> {
         match self {

@@ -97,7 +97,7 @@ impl Workspace {
             Some(left) => Self { equations: left.equations.renewed(system), ..left },
             None => Self {
                 extent: extent.clone(),
-                maps: Maps::new(),
+                maps: Maps::default(),
                 equations: ModalEquations::new(system, extent.harmonics),
                 matrices: Matrices::default(),
             },
@@ -329,8 +329,7 @@ impl Balance {
     pub fn into_workspace(self) -> Workspace {
         let contact = self.wide / 2;
         let extent = Extent { harmonics: self.harmonics, contact, ports: self.names };
-        let maps = self.acting.into_iter().filter_map(Acting::into_map).collect();
-        Workspace { extent, maps, equations: self.equations, matrices: self.matrices }
+        Workspace { extent, maps: Maps::of(self.acting), equations: self.equations, matrices: self.matrices }
     }
 
     /// Energy dissipated in the contact per cycle (J) at the last evaluation.
