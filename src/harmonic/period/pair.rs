@@ -116,6 +116,11 @@ impl PairCycle {
         }
     }
 
+    /// Leaves no derivatives of an earlier contact where those of the next are not found.
+    pub fn forget(&mut self) {
+        self.directions.iter_mut().for_each(|direction| direction.by_all.fill(0.0));
+    }
+
     /// Coefficients of S or N (N) of the last evaluation.
     pub fn force(&self, direction: usize) -> &[f64] {
         &self.directions[direction].force

@@ -67,10 +67,11 @@ impl<'r> SteadyBeam<'r> {
         };
         let balanced = |precision| SteadyRecord::new(record, &channels, highest, precision);
         let solver = match seed {
-            Some(Seed::LinearisedAtMeasurement) => {
-                // An excitation may have more harmonics than those.
-                let rough = balanced(Precision::Rough).or_else(|_| balanced(Precision::Finer(1)))?;
-                Solver::Linearised(Box::new(LinearisedAtMeasurement::new(rough)))
+            Some(Seed::LinearisedAtMeasurement { rough }) => {
+                let roughly = balanced(Precision::Rough).ok().filter(|_| *rough);
+                // A good part of an excitation or a load may be above those harmonics.
+                let record = roughly.map_or_else(|| balanced(Precision::Finer(1)), Ok)?;
+                Solver::Linearised(Box::new(LinearisedAtMeasurement::new(record)))
             }
             seed => {
                 let mut steady = balanced(Precision::Finer(1))?;

@@ -137,8 +137,10 @@ impl Acting {
 
     /// Makes the next evaluation depend on its arguments alone.
     pub fn forget(&mut self) {
-        if let Self::Law { attached, .. } = self {
-            attached.cycle.forget();
+        match self {
+            Self::Law { attached, .. } => attached.cycle.forget(),
+            Self::SlipSlap { cycle, .. } => cycle.forget(),
+            _ => {}
         }
     }
 
