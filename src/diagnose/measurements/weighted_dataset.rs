@@ -104,7 +104,7 @@ impl<'d> WeightedDataset<'d> {
                 .lanes
                 .iter()
                 .map(|lane| RecordResiduals {
-                    seed: lane.seed.as_ref().map(|_| Seed::LinearisedAtMeasurement { rough: true }),
+                    seed: lane.seed.as_ref().map(|_| Seed::LinearisedAtMeasurement),
                     ..lane.clone()
                 })
                 .collect(),
@@ -153,8 +153,7 @@ impl<'d> WeightedDataset<'d> {
         let scored = |&record: &usize| {
             self.score_one(model, record, self.lanes[record].seed.as_ref()).or_else(|reason| {
                 // Without a response near to the measured motion what the equations lack there is the error.
-                let about = Seed::LinearisedAtMeasurement { rough: false };
-                let about = self.lanes[record].seed.is_some().then_some(&about);
+                let about = self.lanes[record].seed.is_some().then_some(&Seed::LinearisedAtMeasurement);
                 about.map_or(Err(reason), |about| self.score_one(model, record, Some(about)))
             })
         };
@@ -167,9 +166,7 @@ impl<'d> WeightedDataset<'d> {
         let nuisances = shown.nuisances(model)?;
         let settled = match seed {
             // A rough look needs no settled start.
-            Some(Seed::LinearisedAtMeasurement { .. }) => {
-                nuisances.iter().map(|nuisance| nuisance.start).collect()
-            }
+            Some(Seed::LinearisedAtMeasurement) => nuisances.iter().map(|nuisance| nuisance.start).collect(),
             _ if nuisances.is_empty() => Vec::new(),
             _ => shown.settle_from(model, &nuisances, &lane.measured, &lane.scales, None),
         };

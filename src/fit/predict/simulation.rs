@@ -12,9 +12,8 @@ pub(crate) enum Seed {
     /// The solution of another.
     Near(Start),
     /// They do not solve: predictions are those to first order about the motion that was measured. Where a model has
-    /// several responses, or none near to the measured one, these lead a fit on. Where that is all they are for they are
-    /// `rough`: without what harmonics above the highest mode do at the contact.
-    LinearisedAtMeasurement { rough: bool },
+    /// several responses, or none near to the measured one, these lead a fit on.
+    LinearisedAtMeasurement,
 }
 
 /// Root-mean-square fraction of the motion above which a prediction may be another of several responses than the measured.

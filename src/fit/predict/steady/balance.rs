@@ -8,10 +8,8 @@ use crate::harmonic::steady::{Start, Steady, SteadyProblem, Workspace};
 use crate::harmonic::{Assembly, HarmonicError};
 use crate::model::Model;
 
-/// The contact excites every mode, and accelerations show the highest of them: harmonics up to beyond it, as a multiple of it.
+/// The contact excites every mode, and accelerations show the highest of them: harmonics beyond it, as a fraction of it.
 const BEYOND_HIGHEST_MODE: f64 = 1.4;
-/// The same where predictions are rough anyway: what lies above moves the sensors, and the contact hardly.
-const ROUGHLY: f64 = 1.0;
 /// Fewest and most harmonics.
 const HARMONICS: (usize, usize) = (9, 60);
 /// Harmonics of the sensors' motion, as multiple of those balanced: of those above half the samples of a period the
@@ -21,15 +19,6 @@ const SENSED: usize = 3;
 const CONTACT_BEYOND: usize = 4;
 /// Residual as a fraction of the largest displacement: far below the noise of any sensor.
 const TOLERANCE: f64 = 1e-8;
-
-/// How many harmonics a record is balanced in.
-#[derive(Clone, Copy)]
-pub(super) enum Precision {
-    /// Those up to the highest mode.
-    Rough,
-    /// So many times those of a fit.
-    Finer(usize),
-}
 
 /// A model with its nuisances, and its system under the measured load.
 pub(super) struct At<'a> {
@@ -79,20 +68,11 @@ pub(super) struct SteadyRecord {
 }
 
 impl SteadyRecord {
-    /// The record, with as many harmonics as a model with its highest mode at `highest` (rad/s) needs.
-    pub fn new(
-        record: &Record,
-        channels: &[&Channel],
-        highest: f64,
-        precision: Precision,
-    ) -> Result<Self, String> {
+    /// The record, with `finer` times as many harmonics as a model with its highest mode at `highest` (rad/s) needs.
+    pub fn new(record: &Record, channels: &[&Channel], highest: f64, finer: usize) -> Result<Self, String> {
         let excitation = record.channel("excitation").ok_or("there is no `excitation` column")?;
-        let (multiple, finer) = match precision {
-            Precision::Rough => (ROUGHLY, 1),
-            Precision::Finer(finer) => (BEYOND_HIGHEST_MODE, finer),
-        };
         let measured = RecordHarmonics::new(record, channels, excitation, |angular_frequency| {
-            let beyond = (multiple * highest / angular_frequency).ceil() as usize + 1;
+            let beyond = (BEYOND_HIGHEST_MODE * highest / angular_frequency).ceil() as usize + 1;
             finer * beyond.clamp(HARMONICS.0, HARMONICS.1)
         })?;
         let harmonics = measured.harmonics;

@@ -1,6 +1,6 @@
 //! A beam excited as measured through whole periods of a steady state.
 
-use super::balance::{At, Precision, SteadyRecord};
+use super::balance::{At, SteadyRecord};
 use super::linearised::LinearisedAtMeasurement;
 use crate::data::{Channel, Record};
 use crate::fit::least_squares::{Parameter, Scale};
@@ -65,16 +65,12 @@ impl<'r> SteadyBeam<'r> {
             Core::Modal { angular_frequency, .. } => angular_frequency.iter().copied().fold(0.0, f64::max),
             Core::Matrices { .. } => 0.0,
         };
-        let balanced = |precision| SteadyRecord::new(record, &channels, highest, precision);
+        let mut steady = SteadyRecord::new(record, &channels, highest, 1)?;
         let solver = match seed {
-            Some(Seed::LinearisedAtMeasurement { rough }) => {
-                let roughly = balanced(Precision::Rough).ok().filter(|_| *rough);
-                // A good part of an excitation or a load may be above those harmonics.
-                let record = roughly.map_or_else(|| balanced(Precision::Finer(1)), Ok)?;
-                Solver::Linearised(Box::new(LinearisedAtMeasurement::new(record)))
+            Some(Seed::LinearisedAtMeasurement) => {
+                Solver::Linearised(Box::new(LinearisedAtMeasurement::new(steady)))
             }
             seed => {
-                let mut steady = balanced(Precision::Finer(1))?;
                 if let Some(Seed::Near(start)) = seed {
                     steady.start_from(start);
                 }
@@ -92,8 +88,8 @@ impl<'r> SteadyBeam<'r> {
     fn in_more_harmonics(&self, finer: usize) -> Option<SteadyRecord> {
         let Solver::Balance(steady) = &self.solver else { return None };
         let start = steady.start()?;
-        let precision = Precision::Finer(finer.min(MOST_FINER));
-        let mut more = SteadyRecord::new(self.record, &self.channels, self.highest, precision).ok()?;
+        let finer = finer.min(MOST_FINER);
+        let mut more = SteadyRecord::new(self.record, &self.channels, self.highest, finer).ok()?;
         more.start_from_fewer(start);
         Some(more)
     }

@@ -1,6 +1,6 @@
 //! Predictions of beams and their derivatives.
 
-use super::balance::{At, Precision, SteadyRecord};
+use super::balance::{At, SteadyRecord};
 use crate::data::{Channel, Record, Regime};
 use crate::fit::predict::observed::ObservedSimulation;
 use crate::fit::predict::observed_system::{observed_assembly, observed_system};
@@ -175,7 +175,7 @@ fn derivatives_after_predictions_are_those_without() {
         let mut neighbour = there.clone();
         neighbour.set(path, 1e-3 + 1.001 * there.get(path).unwrap()).unwrap();
         let directions = [Direction { model: neighbour, nuisances: vec![0.0], step: 1e-3 }];
-        for seed in [None, Some(&Seed::LinearisedAtMeasurement { rough: true })] {
+        for seed in [None, Some(&Seed::LinearisedAtMeasurement)] {
             let linearised = |before: &[f64]| {
                 let mut simulation = regimes::simulation(&model, &measured, seed).unwrap();
                 let (mut out, mut derivatives) = (Vec::new(), Vec::new());
@@ -226,7 +226,7 @@ fn refined_predictions_are_nearer_to_those_of_very_many_harmonics() {
         let system = observed_system(&model, &[0.55, 0.1]).unwrap();
         let Core::Modal { angular_frequency, .. } = &system.core else { panic!("a beam has modes") };
         let highest = angular_frequency.iter().copied().fold(0.0, f64::max);
-        let mut many = SteadyRecord::new(&record, &channels, highest, Precision::Finer(8)).unwrap();
+        let mut many = SteadyRecord::new(&record, &channels, highest, 8).unwrap();
         many.start_from_fewer(simulation.solution().unwrap());
         let assembly = observed_assembly(system, &model, None, 0.0);
         let mut reference = Vec::new();
@@ -244,75 +244,29 @@ fn refined_predictions_are_nearer_to_those_of_very_many_harmonics() {
     }
 }
 
-/// About a motion that the model itself makes the first-order prediction is that motion, a rough one but for what the harmonics
-/// above the highest mode do at the contact, and of another model it changes as the motion does, to a small part of the change.
-/// (Accelerations do not show the mean displacement, which the tangents depend on a little.)
+/// About a motion that the model itself makes the first-order prediction is that motion, and of another model what it
+/// has become, to a small part of the change. (Accelerations do not show the mean displacement, which the tangents
+/// depend on a little.)
 #[test]
 fn about_the_measured_motion_predictions_are_right_to_first_order() {
     let model = model("");
     let measured = showing(&model, &[], record(12.0, 51.0));
     let mut motion = Vec::new();
     simulation(&model, &measured).predict(&model, &[], &mut motion).unwrap();
+    let mut about = regimes::simulation(&model, &measured, Some(&Seed::LinearisedAtMeasurement)).unwrap();
     let size = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>().sqrt();
     let apart = |a: &[f64], b: &[f64]| size(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>());
-    for rough in [false, true] {
-        let seed = Seed::LinearisedAtMeasurement { rough };
-        let mut about = regimes::simulation(&model, &measured, Some(&seed)).unwrap();
-        let mut itself = Vec::new();
-        about.predict(&model, &[], &mut itself).unwrap();
-        let none = apart(&itself, &motion) / size(&motion);
-        // The error of the prediction, of a rough one of what it changes, and what there is to be predicted.
-        let mut at = |share: f64| {
-            let other = moved(&model, BASE[1], share);
-            let (mut solved, mut predicted) = (Vec::new(), Vec::new());
-            simulation(&model, &measured).predict(&other, &[], &mut solved).unwrap();
-            about.predict(&other, &[], &mut predicted).unwrap();
-            for ((predicted, itself), motion) in predicted.iter_mut().zip(&itself).zip(&motion) {
-                *predicted += if rough { motion - itself } else { 0.0 };
-            }
-            [apart(&predicted, &solved) / size(&motion), apart(&motion, &solved) / size(&motion)]
-        };
-        let [[small, change], [large, twice]] = [0.01, 0.02].map(&mut at);
-        println!("{none:.1e} {small:.1e} of {change:.1e} {large:.1e}");
-        assert!(none < if rough { 2e-3 } else { 1e-3 } && small < 0.1 * change && large < 0.1 * twice);
-    }
-}
-
-/// Rough predictions about a measured motion have the harmonics up to the highest mode, and all where a good part of the
-/// excitation is above.
-#[test]
-fn what_excites_beyond_the_highest_mode_is_not_left_out_about_the_measured_motion() {
-    let (model, frequency) = (model(""), 51.0);
-    let silent = record(6.0, frequency);
-    let channels: Vec<&Channel> = silent.channels[2..].iter().collect();
-    let system = observed_system(&model, &[0.55, 0.1]).unwrap();
-    let Core::Modal { angular_frequency, .. } = &system.core else { panic!("a beam has modes") };
-    let highest = angular_frequency.iter().copied().fold(0.0, f64::max);
-    let harmonics = |precision| {
-        let balanced = SteadyRecord::new(&silent, &channels, highest, precision);
-        balanced.ok().unwrap().measured.harmonics
+    // The error of the prediction, and what there is to be predicted.
+    let mut at = |share: f64| {
+        let other = moved(&model, BASE[1], share);
+        let (mut solved, mut predicted) = (Vec::new(), Vec::new());
+        simulation(&model, &measured).predict(&other, &[], &mut solved).unwrap();
+        about.predict(&other, &[], &mut predicted).unwrap();
+        [apart(&predicted, &solved) / size(&motion), apart(&motion, &solved) / size(&motion)]
     };
-    let (rough, all) = (harmonics(Precision::Rough), harmonics(Precision::Finer(1)));
-    assert!(rough < all && all < SAMPLES / 2, "{rough} {all}");
-    let mut high = silent.clone();
-    let speed = std::f64::consts::TAU * frequency * all as f64;
-    let time = high.channels[0].values.clone();
-    high.channels[1].values.iter_mut().zip(time).for_each(|(force, t)| *force += 3.0 * (speed * t).cos());
-    assert!(SteadyRecord::new(&high, &channels, highest, Precision::Rough).is_err());
-    for silent in [silent.clone(), high] {
-        let measured = showing(&model, &[], silent);
-        let seed = Seed::LinearisedAtMeasurement { rough: true };
-        let mut about = regimes::simulation(&model, &measured, Some(&seed)).unwrap();
-        let mut predicted = Vec::new();
-        about.predict(&model, &[], &mut predicted).unwrap();
-        let shown: Vec<f64> =
-            measured.channels[2..].iter().flat_map(|channel| channel.values.clone()).collect();
-        let size = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>().sqrt();
-        let apart = size(&mut predicted.iter().zip(&shown).map(|(a, b)| a - b));
-        let all = size(&mut shown.iter().copied());
-        println!("{:.1e}", apart / all);
-        assert!(apart < 2e-3 * all, "{apart:e} of {all:e}");
-    }
+    let [[none, _], [small, change], [large, twice]] = [0.0, 0.01, 0.02].map(&mut at);
+    println!("{none:.1e} {small:.1e} of {change:.1e} {large:.1e}");
+    assert!(none < 1e-3 && small < 0.1 * change && large < 0.1 * twice);
 }
 
 /// A contact that sticks all through a steady state keeps the force it was left with, which the sensors show; one that
