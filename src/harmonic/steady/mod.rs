@@ -11,8 +11,7 @@ mod measured;
 mod reached;
 
 use super::{Assembly, CurveSettings, HarmonicError, Method};
-pub(crate) use crate::harmonic::balance::modal::Workspace;
-use crate::harmonic::balance::modal::{Balance, Extent, Ports};
+use crate::harmonic::balance::modal::{Balance, Extent, Ports, Workspace};
 use crate::harmonic::newton::problem::{Stopping, length, solve};
 use crate::harmonic::newton::system::{Operating, PeriodicSystem};
 use crate::harmonic::response::start::{directly, indirectly};
@@ -101,7 +100,7 @@ impl SteadyProblem {
     }
 
     /// The response of `assembly`, with unknowns that its `neighbours` have too: that near `start`, or without a start
-    /// one sought from nothing. In the workspace that another has left.
+    /// one sought from nothing.
     ///
     /// # Errors
     /// [`HarmonicError`] where no solution was found.
@@ -110,10 +109,9 @@ impl SteadyProblem {
         assembly: &Assembly,
         neighbours: &[Assembly],
         start: Option<&Start>,
-        left: Option<Workspace>,
     ) -> Result<Steady, HarmonicError> {
         let ports = Ports::of_all(assembly, neighbours);
-        let mut balance = self.balance(assembly, &ports, left)?;
+        let mut balance = self.balance(assembly, &ports, None)?;
         let at = self.operating();
         if let Some(start) = start {
             let mut unknowns = start.unknowns(&ports);
@@ -137,8 +135,7 @@ impl SteadyProblem {
         if let Some(unknowns) = directly(&mut balance, at, &settings)? {
             return Ok(Steady { balance, unknowns, at });
         }
-        let stepped =
-            self.reached(assembly).and_then(|start| self.solve(assembly, neighbours, Some(&start), None));
+        let stepped = self.reached(assembly).and_then(|start| self.solve(assembly, neighbours, Some(&start)));
         if stepped.is_ok() {
             return stepped;
         }
@@ -275,11 +272,6 @@ impl Steady {
     /// The solution, to be found again without a step.
     pub fn here(&self) -> Start {
         Start::exactly(&self.balance, &self.unknowns)
-    }
-
-    /// What it was found in, for another.
-    pub fn into_workspace(self) -> Workspace {
-        self.balance.into_workspace()
     }
 }
 

@@ -180,7 +180,7 @@ mod tests {
     /// The response near where stepping leads, and how far that was from it, as a fraction.
     fn followed(problem: &SteadyProblem, assembly: &Assembly) -> (Vec<f64>, f64) {
         let start = problem.reached(assembly).expect("a period");
-        let mut found = problem.solve(assembly, &[], Some(&start), None).expect("a response");
+        let mut found = problem.solve(assembly, &[], Some(&start)).expect("a response");
         (found.sensors(problem), apart(found.here().contact(), start.contact()))
     }
 
@@ -211,7 +211,7 @@ mod tests {
         let (assembly, problem) = (assembly(JENKINS, HANGING), problem(50.0, &[0.0, 24.0, 0.0]));
         assert!(searched(&problem, &assembly).is_none());
         let (followed, distance) = followed(&problem, &assembly);
-        let mut found = problem.solve(&assembly, &[], None, None).expect("a response");
+        let mut found = problem.solve(&assembly, &[], None).expect("a response");
         assert!(apart(&found.sensors(&problem), &followed) < 1e-6 && distance < 2e-2, "{distance:e}");
     }
 

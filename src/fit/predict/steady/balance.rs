@@ -4,7 +4,7 @@ use super::harmonics::RecordHarmonics;
 use crate::data::{Channel, Record};
 use crate::fit::predict::simulation::WRONG_BRANCH;
 use crate::harmonic::steady::linearised::Linearised;
-use crate::harmonic::steady::{Start, Steady, SteadyProblem, Workspace};
+use crate::harmonic::steady::{Start, Steady, SteadyProblem};
 use crate::harmonic::{Assembly, HarmonicError};
 use crate::model::Model;
 
@@ -63,8 +63,6 @@ pub(super) struct SteadyRecord {
     /// What was predicted last from the start, and its solution: a fit that accepts a step asks for the derivatives there
     /// next.
     last: Option<(Known, Start)>,
-    /// What the last prediction from the start worked in.
-    left: Option<Workspace>,
 }
 
 impl SteadyRecord {
@@ -84,7 +82,7 @@ impl SteadyRecord {
             sensed_harmonics: SENSED * harmonics,
             tolerance: TOLERANCE,
         };
-        Ok(Self { forcing, measured, start: None, settled: None, last: None, left: None })
+        Ok(Self { forcing, measured, start: None, settled: None, last: None })
     }
 
     /// Starts from a solution of another simulation of the record.
@@ -103,18 +101,16 @@ impl SteadyRecord {
         let Some(start) = self.start.as_ref().filter(|_| self.settled.is_some()) else {
             return self.nearest(at, &[], out).map(drop).map_err(text);
         };
-        let left = self.left.take();
-        let mut steady = self.forcing.solve(at.assembly, &[], Some(start), left).map_err(text)?;
+        let mut steady = self.forcing.solve(at.assembly, &[], Some(start)).map_err(text)?;
         self.measured.observe(&steady.sensors(&self.forcing), out);
         self.last = Some((at.known(), steady.here()));
-        self.left = Some(steady.into_workspace());
         Ok(())
     }
 
     /// Predictions of the response that the start is near to, and of no other.
     pub fn follow(&self, at: &At, out: &mut Vec<f64>) -> Result<(), String> {
         let start = self.start.as_ref().ok_or("there is no response to follow")?;
-        let mut steady = self.forcing.solve(at.assembly, &[], Some(start), None).map_err(text)?;
+        let mut steady = self.forcing.solve(at.assembly, &[], Some(start)).map_err(text)?;
         let here = steady.here();
         let pairs = || here.contact().iter().zip(start.contact());
         let apart: f64 = pairs().map(|(here, start)| (here - start).powi(2)).sum();
@@ -232,18 +228,18 @@ impl SteadyRecord {
             Origin::LastSolution => {
                 let last = self.last.as_ref().filter(|(known, _)| self.settled.is_some() && known.is(at));
                 let start = last.map(|(_, here)| here).or(self.start.as_ref())?;
-                Some(self.forcing.solve(assembly, others, Some(start), None))
+                Some(self.forcing.solve(assembly, others, Some(start)))
             }
             Origin::MeasuredMotion => {
                 if self.measured.motion.iter().flatten().all(|x| *x == 0.0) {
                     return None;
                 }
                 let start = self.forcing.start_at(assembly, &self.measured.motion, &mut None);
-                Some(start.and_then(|start| self.forcing.solve(assembly, others, Some(&start), None)))
+                Some(start.and_then(|start| self.forcing.solve(assembly, others, Some(&start))))
             }
             Origin::Nothing => {
                 let needless = self.settled.is_some() || self.start.is_some() && found;
-                (!needless).then(|| self.forcing.solve(assembly, others, None, None))
+                (!needless).then(|| self.forcing.solve(assembly, others, None))
             }
         }
     }
