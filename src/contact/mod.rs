@@ -321,7 +321,8 @@ pub trait ContactLaw: std::fmt::Debug + Send + Sync {
     }
 
     /// Whether the limit itself follows the velocity or the way already slipped. Then the force along a stroke is
-    /// not that of one step from the stroke's start, and a period must be walked in small steps.
+    /// not that of one step from the stroke's start, and a period must be walked in small steps. At a port with a
+    /// flexibility in series the velocity is that in front of it.
     fn limit_moves(&self) -> bool {
         false
     }

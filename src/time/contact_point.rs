@@ -8,6 +8,9 @@ const NEWTON: usize = 20;
 /// Evaluations in all: bisection gets from any bracket to neighbouring numbers in the others.
 const EVALUATIONS: usize = 100;
 
+/// Way since the step began, as a fraction of the displacement, of which rounding leaves too little to tell more.
+const LEAST_WAY: f64 = 1e-12;
+
 /// What the law sees of the beam at one instant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactPoint {
@@ -16,9 +19,11 @@ pub(crate) struct ContactPoint {
     /// Velocity without that part (m/s).
     pub velocity: f64,
     /// How far the contact yields per force (m/N), not negative, and the part of it that lies in series with the contact
-    /// and yields as fast as the force changes.
+    /// and takes a part of the velocity.
     pub flexibility: f64,
     pub series: f64,
+    /// Displacements (m) in front of what lies in series and behind it where the step began.
+    pub began: [f64; 2],
     /// By how much it moves slower per force above `placed` (m/(s N)), not negative.
     pub slowing: f64,
     /// The law's tangent by displacement (N/m) to begin with.
@@ -47,7 +52,7 @@ impl ContactPoint {
     pub fn solve(&self, law: &dyn ContactLaw, state: &[f64], next: &mut [f64]) -> Option<(Response, f64)> {
         let mut force = if self.flexibility == 0.0 { 0.0 } else { self.guess };
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-        let mut velocity = self.yielded(self.velocity - self.slowing * (force - self.placed), self.tangent);
+        let (mut velocity, mut yielding) = self.velocity_under(force, self.tangent);
         // A force that falls with the velocity may answer by more than itself.
         let reach = if self.slowing == 0.0 { 1.0 } else { 2.0 };
         for evaluation in 0..EVALUATIONS {
@@ -58,7 +63,7 @@ impl ContactPoint {
                 return None;
             }
             let tangent = response.tangents.displacement.max(0.0);
-            let by_velocity = self.slowing * response.tangents.velocity;
+            let by_velocity = yielding * response.tangents.velocity;
             let slope = (1.0 + self.flexibility * tangent + by_velocity).max(0.5);
             let residual = force - response.force;
             let rounding = self.precision * (response.force.abs() + tangent * displacement.abs());
@@ -79,14 +84,32 @@ impl ContactPoint {
                 return Some((response, displacement));
             }
             force = following;
-            velocity = self.yielded(self.velocity - self.slowing * (force - self.placed), tangent);
+            (velocity, yielding) = self.velocity_under(force, tangent);
         }
         None
     }
 
-    /// A velocity (m/s) behind what lies in series with the law.
-    fn yielded(&self, velocity: f64, tangent: f64) -> f64 {
-        if self.series == 0.0 { velocity } else { velocity / (1.0 + self.series * tangent) }
+    /// The velocity (m/s) that the law sees under a force, and how much slower a larger force makes it (m/(s N)).
+    ///
+    /// What lies in series takes the part of the velocity that it took of the way since the step began. By the law's
+    /// tangent alone the velocity would jump where a slider lets go, and the force of a damper with it, which would put the
+    /// slider back: in truth that force relaxes while the spring takes it up, within this step or the next.
+    fn velocity_under(&self, force: f64, tangent: f64) -> (f64, f64) {
+        let velocity = self.velocity - self.slowing * (force - self.placed);
+        if self.series == 0.0 {
+            return (velocity, self.slowing);
+        }
+        let own = self.displacement - self.flexibility * force;
+        let [front, behind] = self.began;
+        let moved = own + self.series * force - front;
+        let known = moved.abs() > LEAST_WAY * (own.abs() + behind.abs());
+        if !known || moved * velocity <= 0.0 {
+            return (velocity / (1.0 + self.series * tangent), self.slowing);
+        }
+        let share = (own - behind) / moved;
+        let yielding = if (0.0..=1.0).contains(&share) { velocity * self.series / moved } else { 0.0 };
+        let share = share.clamp(0.0, 1.0);
+        (velocity * share, self.slowing * share + yielding)
     }
 }
 
@@ -105,6 +128,7 @@ mod tests {
             velocity,
             flexibility,
             series: flexibility,
+            began: [0.0; 2],
             slowing: 0.0,
             tangent: 0.0,
             normal_load,

@@ -172,6 +172,8 @@ impl StepSolver {
             };
             self.equal.forces[input] = forces;
             let [start, _, middle, _, end] = &mut self.nodes[e];
+            start.begin();
+            end.began = start.began;
             [_, middle.force, end.force] = forces;
             end.tangent = start.tangent;
         }

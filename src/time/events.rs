@@ -58,6 +58,18 @@ pub(crate) fn reversal(velocity: &[f64; 5], displacement: &[f64; 5], floor: f64,
     Reversal::None
 }
 
+/// Rates (1/s) at the five nodes of the quartic through values there, of a step (s).
+pub(crate) fn rates(values: &[f64; 5], step: f64) -> [f64; 5] {
+    const WEIGHTS: [[f64; 5]; 5] = [
+        [-25.0, 48.0, -36.0, 16.0, -3.0],
+        [-3.0, -10.0, 18.0, -6.0, 1.0],
+        [1.0, -8.0, 0.0, 8.0, -1.0],
+        [-1.0, 6.0, -18.0, 10.0, 3.0],
+        [3.0, -16.0, 36.0, -48.0, 25.0],
+    ];
+    WEIGHTS.map(|weights| weights.iter().zip(values).map(|(w, x)| w * x).sum::<f64>() / (3.0 * step))
+}
+
 /// Root of the quartic through the five velocities between two nodes where they differ in sign.
 fn root(velocity: &[f64; 5], from: usize, to: usize) -> f64 {
     let (mut a, mut b) = (NODES[from], NODES[to]);
@@ -143,6 +155,16 @@ mod tests {
             other => panic!("{other:?}"),
         }
         assert_eq!(reversal(&v, &u, 10.0, 1e-12), Reversal::None);
+    }
+
+    #[test]
+    fn rates_are_those_of_a_quartic() {
+        let step = 0.02;
+        let found = rates(&NODES.map(|x| 1.0 - 2.0 * x + 3.0 * x * x - x.powi(3) + 0.5 * x.powi(4)), step);
+        for (x, rate) in NODES.into_iter().zip(found) {
+            let expected = (-2.0 + 6.0 * x - 3.0 * x * x + 2.0 * x.powi(3)) / step;
+            assert!((rate - expected).abs() < 1e-10, "{x}: {rate} {expected}");
+        }
     }
 
     #[test]

@@ -9,6 +9,8 @@ pub(crate) struct NodeContact {
     pub force: f64,
     pub tangent: f64,
     pub load_tangent: f64,
+    /// Whether the force follows the velocity.
+    pub follows_velocity: bool,
     pub slip_state: SlipState,
     /// Energy taken since the start of the step (J).
     pub energy: f64,
@@ -18,6 +20,8 @@ pub(crate) struct NodeContact {
     /// u + a T (m) and its derivative (m/s): what the modes alone give.
     pub geometric_displacement: f64,
     pub geometric_velocity: f64,
+    /// The same displacement and u where the step began (m).
+    pub began: [f64; 2],
 }
 
 /// How a port answers to a law's unit force against it, by displacement (m/N) and velocity (m/(s N)), and how precisely
@@ -40,12 +44,14 @@ impl NodeContact {
         force: 0.0,
         tangent: 0.0,
         load_tangent: 0.0,
+        follows_velocity: false,
         slip_state: SlipState::Stick,
         energy: 0.0,
         normal_load: 0.0,
         displacement: 0.0,
         geometric_displacement: 0.0,
         geometric_velocity: 0.0,
+        began: [0.0; 2],
     };
 
     /// u̇ (m/s) for a normal load that changes at `load_rate` (N/s), `flexibility` a (m/N).
@@ -57,14 +63,20 @@ impl NodeContact {
             / (1.0 + flexibility * self.tangent)
     }
 
-    /// What the law is asked, under a normal load (N), behind a flexibility of its port (m/N), where the structure yields
-    /// to it and slows down as `answer` tells.
-    pub fn point(&self, normal_load: f64, flexibility: f64, answer: Answer) -> ContactPoint {
+    /// A step begins here.
+    pub fn begin(&mut self) {
+        self.began = [self.geometric_displacement, self.displacement];
+    }
+
+    /// What the law is asked, under a normal load (N), behind a flexibility of its port (m/N) of which its velocity feels
+    /// the part `series`, where the structure yields to it and slows down as `answer` tells.
+    pub fn point(&self, normal_load: f64, flexibility: f64, series: f64, answer: Answer) -> ContactPoint {
         ContactPoint {
             displacement: self.geometric_displacement + answer.yielding * self.force,
             velocity: self.geometric_velocity,
             flexibility: flexibility + answer.yielding,
-            series: flexibility,
+            series,
+            began: self.began,
             slowing: answer.slowing,
             tangent: self.tangent,
             normal_load,
@@ -85,6 +97,7 @@ impl NodeContact {
         self.force = response.force;
         self.tangent = response.tangents.displacement;
         self.load_tangent = response.tangents.normal_load;
+        self.follows_velocity = response.tangents.velocity != 0.0;
         self.energy = response.dissipated_energy;
         self.slip_state = response.slip_state;
         self.normal_load = load;

@@ -57,6 +57,8 @@ pub(crate) struct Contact {
     pub normal_load: f64,
     /// Whether the force depends on what was before, so that a reversal matters.
     pub remembers: bool,
+    /// The part a (m/N) of its port's flexibility by which its velocity yields: none where its limit follows the velocity.
+    pub series: f64,
     /// Its part of what all laws remember.
     pub memory: Range<usize>,
 }
@@ -356,6 +358,10 @@ fn elements(system: &System) -> Result<(Vec<Contact>, Vec<Springs>, usize), Syst
         contacts.push(Contact {
             port,
             remembers: law.as_deref().is_some_and(remembers),
+            series: match law.as_deref() {
+                Some(law) if law.limit_moves() => 0.0,
+                _ => system.ports[port].flexibility,
+            },
             law,
             input: system.driven.len() + contacts.len(),
             normal_load,

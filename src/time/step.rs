@@ -141,6 +141,7 @@ impl StepSolver {
                 at.force = input;
                 continue;
             };
+            at.began = [at.geometric_displacement; 2];
             if !moved(at, input) {
                 at.displacement = at.geometric_displacement - flexibility * at.force;
                 continue;
@@ -148,7 +149,7 @@ impl StepSolver {
             let place = contact.memory.clone();
             let (before, next) = (&mut self.memory[place.clone()], &mut self.memory_next[place]);
             let Some((response, displacement)) =
-                at.point(input, flexibility, Answer::NONE).solve(law, before, next)
+                at.point(input, flexibility, contact.series, Answer::NONE).solve(law, before, next)
             else {
                 return false;
             };
@@ -217,7 +218,8 @@ impl StepSolver {
         }
         let load = ramp.at(span.to);
         (at.force, at.tangent) = (end.force, end.tangent);
-        let point = at.point(load, self.plant.ports[contact.port].flexibility, Answer::NONE);
+        let flexibility = self.plant.ports[contact.port].flexibility;
+        let point = at.point(load, flexibility, contact.series, Answer::NONE);
         let next = &mut self.memory_next[place.clone()];
         let Some((response, displacement)) = point.solve(law, before, next) else { return false };
         at.store(response, displacement, load);

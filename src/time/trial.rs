@@ -67,6 +67,7 @@ impl StepSolver {
         rest[MIDDLE - 1].copy_from_slice(&first[0]);
         rest[END - 1].copy_from_slice(&first[0]);
         for [start, behind @ ..] in &mut self.nodes {
+            start.begin();
             behind.fill(*start);
         }
     }
@@ -140,7 +141,8 @@ impl StepSolver {
             nodes[node].force = input;
             return Some(());
         };
-        let mut point = nodes[node].point(input, self.plant.ports[contact.port].flexibility, answer);
+        let flexibility = self.plant.ports[contact.port].flexibility;
+        let mut point = nodes[node].point(input, flexibility, contact.series, answer);
         if let Some(from) = answer.from {
             point.guess = nodes[from].going_on(&point);
         }
@@ -209,12 +211,17 @@ impl StepSolver {
         let contact = &self.plant.contacts[e];
         let Some(law) = contact.law.as_deref() else { return f64::INFINITY };
         let (normal_load, nodes) = (self.ramps[contact.input], &self.nodes[e]);
-        let flexibility = self.plant.ports[contact.port].flexibility;
+        let (flexibility, series) = (self.plant.ports[contact.port].flexibility, contact.series);
         let mut first = f64::INFINITY;
         if contact.remembers {
             let rate = |at: usize| span.rate_at(normal_load, NODES[at]);
-            let velocity = std::array::from_fn(|at| nodes[at].velocity(flexibility, rate(at)));
             let displacement = nodes.each_ref().map(|node| node.displacement);
+            // A force that follows the velocity has u reverse before what the modes give does.
+            let velocity = if flexibility > 0.0 && nodes.iter().any(|node| node.follows_velocity) {
+                events::rates(&displacement, span.step)
+            } else {
+                std::array::from_fn(|at| nodes[at].velocity(flexibility, rate(at)))
+            };
             // Motion this small is invisible at the tolerance; the rest may be rounding.
             let norm = self.row_norm[e] * self.energy_norm;
             let floor = (1e-6 * tolerance).max(1e-13) * norm;
@@ -237,7 +244,8 @@ impl StepSolver {
                 displacement: u,
                 velocity: v,
                 flexibility,
-                series: flexibility,
+                series,
+                began: nodes[node].began,
                 slowing: 0.0,
                 tangent: 0.0,
                 normal_load: normal_load.at(span.fraction(at)),

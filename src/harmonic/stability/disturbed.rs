@@ -38,8 +38,9 @@ struct Law<'a> {
     contact: LoadedContact<'a>,
     /// Coefficients of the displacement that a flexibility leaves it.
     displacement: &'a [f64],
-    /// Whether it answers to its velocity behind a flexibility.
+    /// Whether it answers to its velocity behind a flexibility, or to that in front of it.
     yields: bool,
+    in_front: bool,
     /// First place of its memory.
     memory: usize,
     /// Whether its force may jump: behind a flexibility it does not.
@@ -87,7 +88,15 @@ impl<'a> Disturbed<'a> {
         for (channel, (contact, displacement)) in contacts.iter().zip(displacement).enumerate() {
             let shape = (0..channels).map(|other| f64::from(u8::from(other == channel))).collect();
             let port = Cow::Owned(ModalPort { shape, shortening: 0.0, flexibility: 0.0 });
-            laws.push(Law { port, contact: *contact, displacement, yields: false, memory, jumps: true });
+            laws.push(Law {
+                port,
+                contact: *contact,
+                displacement,
+                yields: false,
+                in_front: false,
+                memory,
+                jumps: true,
+            });
             memory += contact.law.state_len();
         }
         let (springs, modes) = (Vec::new(), Vec::new());
@@ -120,12 +129,15 @@ impl<'a> Disturbed<'a> {
                     let displacement = left.next().ok_or(missing)?;
                     let contact = LoadedContact { law: law.as_ref(), normal_load: *normal_load };
                     let port = Cow::Borrowed(&modal.ports[*port]);
-                    let mut law = Law { port, contact, displacement, yields: false, memory, jumps: false };
-                    if law.port.flexibility > 0.0 {
+                    let in_front = port.flexibility > 0.0 && contact.law.limit_moves();
+                    let mut law =
+                        Law { port, contact, displacement, yields: false, in_front, memory, jumps: false };
+                    if law.port.flexibility > 0.0 && !in_front {
                         // Rates are the same all along the period or change with the velocity: a few phases tell.
                         let few = (0..=16).map(|k| f64::from(k) * std::f64::consts::TAU / 16.0);
                         let few: Vec<f64> = few.collect();
-                        let steps = history(&contact, displacement, angular_frequency, &few, false)?;
+                        let motion = |phase| evaluate(displacement, phase);
+                        let steps = history(&contact, &motion, angular_frequency, &few, false)?;
                         law.yields = steps.iter().any(Step::follows_velocity);
                     }
                     memory += law.memory_len();
@@ -188,6 +200,13 @@ impl<'a> Disturbed<'a> {
         feedback
     }
 
+    /// Derivative by phase of the displacement (m) of `port` in front of its flexibility.
+    fn slope_in_front(&self, port: &ModalPort, phase: f64) -> f64 {
+        let (q, slope): (Vec<f64>, Vec<f64>) = self.modes.iter().map(|mode| evaluate(mode, phase)).unzip();
+        let bent = self.shortening.chunks_exact(q.len().max(1)).map(|row| dot(row, &q));
+        dot(&port.shape, &slope) - port.shortening * bent.zip(&slope).map(|(g, rate)| g * rate).sum::<f64>()
+    }
+
     /// Coefficients of the finest signal of the motion.
     pub fn coefficients(&self) -> usize {
         let all = self.modes.iter().copied().chain(self.laws.iter().map(|law| law.displacement));
@@ -206,8 +225,13 @@ impl<'a> Disturbed<'a> {
 
     /// The feedback at every phase of the grid, from 0 to 2π; the first step has no length.
     pub fn feedback(&self, grid: &[f64]) -> Result<Vec<Feedback>, OscillatorError> {
-        let steps =
-            |law: &Law| history(&law.contact, law.displacement, self.angular_frequency, grid, law.jumps);
+        let steps = |law: &Law| {
+            let motion = |phase: f64| {
+                let (displacement, slope) = evaluate(law.displacement, phase);
+                (displacement, if law.in_front { self.slope_in_front(&law.port, phase) } else { slope })
+            };
+            history(&law.contact, &motion, self.angular_frequency, grid, law.jumps)
+        };
         let steps = self.laws.iter().map(steps).collect::<Result<Vec<_>, _>>()?;
         let duration = |k: usize| if k == 0 { 0.0 } else { (grid[k] - grid[k - 1]) / self.angular_frequency };
         let at = |(k, phase): (usize, &f64)| {

@@ -30,7 +30,7 @@ pub(super) struct Attachment<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Series {
     Rigid,
-    /// Compliance (m/N), where the contact does not answer to its velocity.
+    /// Compliance (m/N), where the contact answers to no velocity but that in front of it.
     Spring(f64),
     /// Compliance (m/N) and the step (s), over which the velocity is a difference: the contact's displacement is
     /// remembered behind the rest of its memory.
@@ -53,20 +53,26 @@ impl Feedback {
         let mut remembered = vec![0.0; width];
         remembered[place..place + states].copy_from_slice(&step.state.force_by_state);
         let (stiffness, damping) = (step.by_displacement, step.by_velocity);
+        let rate = || {
+            let mut rate = vec![0.0; width];
+            rate[..m].copy_from_slice(attachment.arm_rate);
+            rate[m..2 * m].copy_from_slice(attachment.arm);
+            rate
+        };
         let (displacement, velocity, force);
         match attachment.series {
             Series::Rigid => {
-                let mut rate = vec![0.0; width];
-                rate[..m].copy_from_slice(attachment.arm_rate);
-                rate[m..2 * m].copy_from_slice(attachment.arm);
+                let rate = rate();
                 force = sum([(stiffness, &moved), (damping, &rate), (1.0, &remembered)]);
                 (displacement, velocity) = (moved, rate);
             }
             Series::Spring(compliance) => {
                 let fraction = 1.0 / (1.0 + compliance * stiffness);
-                displacement = sum([(fraction, &moved), (-fraction * compliance, &remembered)]);
-                velocity = vec![0.0; width];
-                force = sum([(stiffness, &displacement), (1.0, &remembered)]);
+                let rate = rate();
+                let own = sum([(damping, &rate), (1.0, &remembered)]);
+                displacement = sum([(fraction, &moved), (-fraction * compliance, &own)]);
+                force = sum([(stiffness, &displacement), (1.0, &own)]);
+                velocity = rate;
             }
             Series::Yielding(compliance, duration) => {
                 let mut before = vec![0.0; width];

@@ -5,17 +5,17 @@ use std::f64::consts::TAU;
 
 use super::impulse::Impulse;
 use super::regimes::Path;
-use super::signal::evaluate;
 use super::step::Step;
 use crate::contact::{ContactLaw, Inputs, Period, PeriodicSolver, Slider};
 use crate::time::exact::elements::Element;
 use crate::time::{LoadedContact, OscillatorError};
 
-/// Tangents at every point of the grid along the periodic state; the first point's step has no length. Where the force
-/// jumps there are `impulses` (behind a spring there are none).
+/// Tangents at every point of the grid along the periodic state; the first point's step has no length. `motion` is the
+/// displacement (m) and its derivative by phase. Where the force jumps there are `impulses` (behind a spring there are
+/// none).
 pub(super) fn history(
     contact: &LoadedContact,
-    coefficients: &[f64],
+    motion: &dyn Fn(f64) -> (f64, f64),
     angular_frequency: f64,
     grid: &[f64],
     impulses: bool,
@@ -23,7 +23,7 @@ pub(super) fn history(
     let law: &dyn ContactLaw = contact.law;
     let (mut displacement, mut velocity) = (Vec::new(), Vec::new());
     for phase in grid {
-        let (u, slope) = evaluate(coefficients, *phase);
+        let (u, slope) = motion(*phase);
         displacement.push(u);
         velocity.push(angular_frequency * slope);
     }

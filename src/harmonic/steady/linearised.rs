@@ -44,6 +44,62 @@ impl Linearised {
         Ok(Self { unknowns, at, factors, ports, probe: PROBE, left: Some(balance.into_workspace()) })
     }
 
+    /// `assembly`, which it is of, about the same motion, as neighbours take it whose contact's displacement is known in front
+    /// of its flexibility alone; `None` where it is that already.
+    ///
+    /// # Errors
+    /// As [`Linearised::new`].
+    fn in_front(
+        &mut self,
+        problem: &SteadyProblem,
+        assembly: &Assembly,
+    ) -> Result<Option<Self>, HarmonicError> {
+        if self.ports.in_front() {
+            return Ok(None);
+        }
+        let mut behind = problem.balance(assembly, &self.ports, self.left.take())?;
+        behind.balance_alone(&self.unknowns, &self.at)?;
+        let [_, front] = behind.either_side(&self.unknowns, behind.force());
+        self.left = Some(behind.into_workspace());
+        let (mut unknowns, ports) = (self.unknowns.clone(), self.ports.clone().moved_in_front());
+        unknowns[..front.len()].copy_from_slice(&front);
+        let mut balance = problem.balance(assembly, &ports, None)?;
+        let factors = factored(&mut balance, &unknowns, &self.at)?;
+        let left = Some(balance.into_workspace());
+        Ok(Some(Self { unknowns, at: self.at, factors, ports, probe: self.probe, left }))
+    }
+
+    /// To first order, the displacement coefficients (m) of every sensor of `neighbours` less those of `assembly`, which it is
+    /// of.
+    ///
+    /// # Errors
+    /// As [`Linearised::new`].
+    pub fn changes(
+        &mut self,
+        problem: &SteadyProblem,
+        assembly: &Assembly,
+        neighbours: &[Assembly],
+    ) -> Result<Vec<Vec<f64>>, HarmonicError> {
+        let in_front = |neighbour: &Assembly| Ports::of(&neighbour.system).in_front();
+        let front = if neighbours.iter().any(in_front) { self.in_front(problem, assembly)? } else { None };
+        let here = self.first_order(problem, assembly)?;
+        let mut front = match front {
+            Some(mut front) => Some((front.first_order(problem, assembly)?, front)),
+            None => None,
+        };
+        let mut changes = Vec::with_capacity(neighbours.len());
+        for neighbour in neighbours {
+            let (here, about) = match &mut front {
+                Some((here, front)) if in_front(neighbour) => (&*here, front),
+                _ => (&here, &mut *self),
+            };
+            let mut change = about.first_order(problem, neighbour)?;
+            change.iter_mut().zip(here).for_each(|(there, here)| *there -= here);
+            changes.push(change);
+        }
+        Ok(changes)
+    }
+
     /// Whether its unknowns are those that `assembly` and its `neighbours` have.
     pub fn covers(&self, assembly: &Assembly, neighbours: &[Assembly]) -> bool {
         self.ports == Ports::of_all(assembly, neighbours)
@@ -89,7 +145,8 @@ impl Steady {
         let Self { mut balance, unknowns, at } = self;
         let factors = factored(&mut balance, &unknowns, &at)?;
         let ports = balance.ports().clone();
-        let start = Start::of(&balance, &unknowns, Some((ports.clone(), factors.clone())));
+        let start =
+            Start::of(&balance, &unknowns, balance.force(), Some(Box::new((ports.clone(), factors.clone()))));
         let left = Some(balance.into_workspace());
         Ok((Linearised { unknowns, at, factors, ports, probe: WHOLE, left }, start))
     }

@@ -57,12 +57,12 @@ pub(crate) struct SteadyProblem {
 /// A solution to start from, for beams condensed to the same ports and to others.
 #[derive(Debug, Clone)]
 pub(crate) struct Start {
-    /// Displacement at the contact.
-    contact: Vec<f64>,
+    /// Displacement at the contact, behind its flexibility and in front of it: the unknown is either.
+    contact: [Vec<f64>; 2],
     /// Displacements at the other ports, by name.
     ports: Vec<(String, Vec<f64>)>,
     /// Factors at a solution, and the ports they belong to.
-    factors: Option<(Ports, Factors)>,
+    factors: Option<Box<(Ports, Factors)>>,
 }
 
 /// A periodic response.
@@ -116,7 +116,7 @@ impl SteadyProblem {
         if let Some(start) = start {
             let mut unknowns = start.unknowns(&ports);
             let factors =
-                start.factors.as_ref().filter(|(of, _)| *of == ports).map(|(_, factors)| factors.clone());
+                start.factors.as_ref().filter(|known| known.0 == ports).map(|known| known.1.clone());
             if self.correct(&mut balance, &mut unknowns, &at, factors) {
                 return Ok(Steady { balance, unknowns, at });
             }
@@ -169,7 +169,7 @@ impl SteadyProblem {
         let mut balance = self.balance(assembly, &Ports::of(&assembly.system), left.take())?;
         let (coefficients, force) = explained(&balance, self.angular_frequency, &self.coefficients, motion);
         let unknowns = balance.unknowns_of(&coefficients, &force, self.angular_frequency);
-        let start = Start::of(&balance, &unknowns, None);
+        let start = Start::of(&balance, &unknowns, &force, None);
         *left = Some(balance.into_workspace());
         Ok(start)
     }
@@ -217,15 +217,20 @@ impl SteadyProblem {
 }
 
 impl Start {
-    fn of(balance: &Balance, unknowns: &[f64], factors: Option<(Ports, Factors)>) -> Self {
-        let contact = unknowns[..balance.displacement().len()].to_vec();
-        Self { contact, ports: balance.at_ports(), factors }
+    /// Where the law of the contact has the force (N) by these coefficients.
+    fn of(
+        balance: &Balance,
+        unknowns: &[f64],
+        force: &[f64],
+        factors: Option<Box<(Ports, Factors)>>,
+    ) -> Self {
+        Self { contact: balance.either_side(unknowns, force), ports: balance.at_ports(), factors }
     }
 
     /// The unknowns as they are: found anew without a step.
     fn exactly(balance: &Balance, unknowns: &[f64]) -> Self {
-        let mut start = Self::of(balance, unknowns, None);
-        let own = unknowns[start.contact.len()..].chunks_exact(balance.count);
+        let mut start = Self::of(balance, unknowns, balance.force(), None);
+        let own = unknowns[balance.displacement().len()..].chunks_exact(balance.count);
         for (name, own) in balance.ports().names().zip(own) {
             if let Some((_, known)) = start.ports.iter_mut().find(|(known, _)| known == name) {
                 known.copy_from_slice(own);
@@ -236,20 +241,21 @@ impl Start {
 
     /// Coefficients of the displacement at the contact (m).
     pub fn contact(&self) -> &[f64] {
-        &self.contact
+        &self.contact[0]
     }
 
     /// Whether it has the harmonics of `problem`.
     pub fn fits(&self, problem: &SteadyProblem) -> bool {
         let count = coefficient_count(problem.harmonics);
-        self.contact.len() == coefficient_count(problem.contact_harmonics)
+        self.contact().len() == coefficient_count(problem.contact_harmonics)
             && self.ports.iter().all(|(_, coefficients)| coefficients.len() == count)
     }
 
     /// The same motion in the harmonics of `problem`, which has no fewer.
     pub fn padded(&self, problem: &SteadyProblem) -> Self {
         let mut start = Self { factors: None, ..self.clone() };
-        start.contact.resize(coefficient_count(problem.contact_harmonics), 0.0);
+        let wide = coefficient_count(problem.contact_harmonics);
+        start.contact.iter_mut().for_each(|side| side.resize(wide, 0.0));
         let count = coefficient_count(problem.harmonics);
         start.ports.iter_mut().for_each(|(_, coefficients)| coefficients.resize(count, 0.0));
         start
@@ -259,7 +265,7 @@ impl Start {
     pub(super) fn unknowns(&self, ports: &Ports) -> Vec<f64> {
         let at = |name: &str| self.ports.iter().find(|(known, _)| known == name);
         let others = ports.names().filter_map(at).flat_map(|(_, coefficients)| coefficients);
-        self.contact.iter().chain(others).copied().collect()
+        self.contact[usize::from(ports.in_front())].iter().chain(others).copied().collect()
     }
 }
 

@@ -38,7 +38,7 @@ impl SteadyProblem {
         let Period { modes, force } = self.settled(assembly).ok_or(no_period)?;
         let mut balance = self.balance(assembly, &Ports::of(&assembly.system), None)?;
         let unknowns = balance.unknowns_of(&modes, &force, self.angular_frequency);
-        Ok(Start::of(&balance, &unknowns, None))
+        Ok(Start::of(&balance, &unknowns, &force, None))
     }
 
     /// The last whole period, once the motion has settled.

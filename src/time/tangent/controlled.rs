@@ -50,7 +50,7 @@ impl Tangent {
     fn linearise(&mut self, solver: &StepSolver, node: usize, fraction: f64, by: &[Ramp]) {
         for (e, contact) in solver.plant.contacts.iter().enumerate() {
             let here = &solver.nodes[e][node];
-            let mut inputs = inputs(here, solver.plant.ports[contact.port].flexibility, here.normal_load);
+            let mut inputs = inputs(here, contact.series, here.normal_load);
             let beside = &solver.nodes[e][if node == 0 { 1 } else { node - 1 }];
             if [0, END].contains(&node) && beside.slip_state != here.slip_state {
                 inputs.displacement += INSIDE * (beside.displacement - inputs.displacement);
@@ -159,6 +159,6 @@ impl Tangent {
         let flexibility = solver.plant.ports[contact.port].flexibility;
         let displacement = displacement - flexibility * change.force;
         let by = Inputs { displacement, velocity, normal_load: change.load };
-        self.sensitivity[e].look(law, inputs(at, flexibility, at.normal_load), by).dissipated_energy
+        self.sensitivity[e].look(law, inputs(at, contact.series, at.normal_load), by).dissipated_energy
     }
 }

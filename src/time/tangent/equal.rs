@@ -26,7 +26,7 @@ impl Tangent {
         self.start(solver);
         for (e, contact) in plant.contacts.iter().enumerate() {
             let node = &solver.nodes[e][END];
-            let inputs = inputs(node, plant.ports[contact.port].flexibility, node.normal_load);
+            let inputs = inputs(node, contact.series, node.normal_load);
             self.linearise_at(solver, (e, END), inputs, by[contact.input].at(span.to));
             if contact.law.is_some() {
                 let change = (self.geometric(solver, e, 0).1, self.contacts[e].tangent);
@@ -100,7 +100,8 @@ impl Tangent {
         let by =
             Inputs { displacement: displacement - flexibility * at.force, velocity, normal_load: at.load };
         let node = &solver.nodes[e][END];
-        let tangent = self.sensitivity[e].look(law, inputs(node, flexibility, node.normal_load), by).tangent;
+        let tangent =
+            self.sensitivity[e].look(law, inputs(node, contact.series, node.normal_load), by).tangent;
         self.rates[e][1] = rate(solver, (e, END), (velocity, tangent), perturbed);
     }
 

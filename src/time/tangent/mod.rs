@@ -138,12 +138,12 @@ impl Tangent {
         let contact = &solver.plant.contacts[e];
         let Some(law) = contact.law.as_deref() else { return };
         let flexibility = solver.plant.ports[contact.port].flexibility;
-        let inputs = inputs(&solver.nodes[e][node], flexibility, load);
+        let inputs = inputs(&solver.nodes[e][node], contact.series, load);
         let carried = &mut self.sensitivity[e];
         let t = law.step(&carried.memory, inputs, &mut self.unused[contact.memory.clone()]).tangents;
         let by_memory = carried.force_by_memory(law, inputs);
         let slope = 1.0 + flexibility * t.displacement;
-        let velocity = velocity / slope;
+        let velocity = velocity / (1.0 + contact.series * t.displacement);
         let force =
             (t.displacement * displacement + t.velocity * velocity + t.normal_load * normal_load + by_memory)
                 / slope;
@@ -331,7 +331,8 @@ impl Tangent {
     }
 }
 
-fn inputs(contact: &NodeContact, flexibility: f64, normal_load: f64) -> Inputs {
-    let velocity = contact.geometric_velocity / (1.0 + flexibility * contact.tangent);
+/// What a law was asked at a node, its velocity behind the compliance `series` (m/N).
+fn inputs(contact: &NodeContact, series: f64, normal_load: f64) -> Inputs {
+    let velocity = contact.geometric_velocity / (1.0 + series * contact.tangent);
     Inputs { displacement: contact.displacement, velocity, normal_load }
 }

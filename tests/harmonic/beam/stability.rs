@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use nalgebra::{Complex, DMatrix};
 use stickslip::contact::{
-    ContactLaw, CubicSpring, Inputs, Jenkins, ParallelSliders, Response, SlipState, StateTangents, Tangents,
+    ContactLaw, CubicSpring, Inputs, Jenkins, Joint, JointChanges, ParallelSliders, Response, SlipState,
+    StateTangents, Tangents,
 };
 use stickslip::harmonic::Resonance;
 use stickslip::harmonic::stability::{Multipliers, floquet, floquet_in_modes};
@@ -253,6 +254,22 @@ fn disturbances_of_the_beam_die_out_in_time_as_the_multipliers_say() {
         }
         assert!(errors[0] < 2e-3 && errors[1] < 0.4 * errors[0], "{acceleration}: {errors:?}");
     }
+}
+
+#[test]
+fn so_do_those_where_a_limit_follows_the_velocity_in_front_of_a_flexibility() {
+    let beam = ModalBeam { axial_flexibility: 1e-7, ..published(3) };
+    let changes = JointChanges { weakening: Some((0.2, 5e-3)), ..JointChanges::default() };
+    let law = Joint::new(contact::published(), changes).unwrap();
+    // The displacement behind the flexibility has kinks, which few harmonics round.
+    let errors = [15, 60].map(|harmonics| {
+        let (response, left) = resonance(&beam, Arc::new(law.clone()), 40.0, harmonics);
+        let system = on(&beam, Some(Arc::new(law.clone())));
+        let omega = response.angular_frequency;
+        let found = floquet_in_modes(&system, &response.coefficients, &[&left], omega).unwrap();
+        distance(&found, &by_integration(&beam, law.clone(), &response))
+    });
+    assert!(errors[0] < 1e-2 && errors[1] < 0.4 * errors[0], "{errors:?}");
 }
 
 /// Every point of a curve with its verdict; the folds in between.

@@ -164,11 +164,9 @@ impl SteadyRecord {
         if neighbours.is_empty() {
             return Ok(());
         }
-        let here = about.first_order(&self.forcing, assembly)?;
-        for (neighbour, difference) in neighbours.iter().zip(differences) {
-            let mut change = about.first_order(&self.forcing, neighbour)?;
-            change.iter_mut().zip(&here).for_each(|(there, here)| *there -= here);
-            self.measured.observe(&change, difference);
+        let changes = about.changes(&self.forcing, assembly, neighbours)?;
+        for (change, difference) in changes.iter().zip(differences) {
+            self.measured.observe(change, difference);
         }
         Ok(())
     }

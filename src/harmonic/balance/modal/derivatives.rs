@@ -3,7 +3,7 @@
 use super::{Acting, Attached, Balance, Matrices, mean_square, sized};
 use crate::harmonic::newton::system::{Operating, Scalar};
 use crate::harmonic::period::Cycle;
-use nalgebra::{DMatrix, DMatrixViewMut};
+use nalgebra::{Complex, DMatrix, DMatrixViewMut};
 
 /// Entries of a column beyond which it counts as full.
 const FEW: usize = 4;
@@ -105,6 +105,13 @@ impl Balance {
         let law = Self::single(&self.acting, rows).map_or(&*law, |law| law.cycle.jacobian());
         multiply(compliance, law, jacobian);
         (0..rows).for_each(|m| jacobian[(m, m)] += 1.0);
+        // The law's part of what the flexibility yields stands in its unknown.
+        if let Some(contact) = self.acting.iter().find_map(Acting::at_contact).filter(|_| self.series != 0.0)
+        {
+            let own = contact.cycle.jacobian();
+            let mut block = self.matrices.jacobian.view_mut((0, 0), own.shape());
+            block.zip_apply(own, |entry, own| *entry -= self.series * own);
+        }
         self.complete = true;
     }
 
@@ -119,15 +126,49 @@ impl Balance {
         for acting in &self.acting {
             acting.differentiate(at, &mut self.matrices.law);
         }
+        if self.series != 0.0 {
+            self.pull_less(at);
+        }
+    }
+
+    /// What hangs at the contact, behind the spring of the law, pulls less where the law's force grows.
+    fn pull_less(&mut self, at: &Operating) {
+        let hung: Vec<Complex<f64>> =
+            (1..=self.wide / 2).map(|order| self.series * self.hung_stiffness(at, order)).collect();
+        let Some(contact) = self.acting.iter().find_map(Acting::at_contact) else { return };
+        for (column, own) in contact.cycle.jacobian().column_iter().enumerate() {
+            for (place, hung) in hung.iter().enumerate() {
+                let c = 2 * place + 1;
+                let pull = hung * Complex::new(own[c], -own[c + 1]);
+                self.matrices.law[(c, column)] -= pull.re;
+                self.matrices.law[(c + 1, column)] += pull.im;
+            }
+        }
     }
 
     /// ∂forces/∂`scalar` at fixed unknowns; false where it vanishes.
     fn force_rates(&mut self, scalar: Scalar) -> bool {
         self.rates.fill(0.0);
         for acting in &self.acting {
-            acting.add_rates(&self.equations.at, scalar, &self.unknown, &mut self.rates);
+            let x = if acting.hung().is_some() { &self.behind } else { &self.unknown };
+            acting.add_rates(&self.equations.at, scalar, x, &mut self.rates);
+        }
+        if self.series != 0.0 && scalar == Scalar::AngularFrequency {
+            self.let_go();
         }
         self.rates.iter().any(|rate| *rate != 0.0)
+    }
+
+    /// What hangs at the contact pulls less at a higher frequency where the law's force is larger there.
+    fn let_go(&mut self) {
+        let at = self.equations.at;
+        let Some(contact) = self.acting.iter().find_map(Acting::at_contact) else { return };
+        let own = contact.cycle.by_frequency();
+        for (place, pair) in own[1..].chunks_exact(2).enumerate() {
+            let pull = self.series * self.hung_stiffness(&at, place + 1) * Complex::new(pair[0], -pair[1]);
+            self.rates[2 * place + 1] -= pull.re;
+            self.rates[2 * place + 2] += pull.im;
+        }
     }
 
     /// ∂q/∂scalar and ∂r/∂scalar at fixed u.
@@ -172,6 +213,12 @@ impl Balance {
             for port in self.ports.iter().filter(|port| port.flexibility != 0.0) {
                 let rates = by[port.rows.clone()].iter_mut().zip(&self.rates[port.rows.clone()]);
                 rates.for_each(|(b, rate)| *b += port.flexibility * rate);
+            }
+            if let (Some(contact), Scalar::AngularFrequency) =
+                (self.acting.iter().find_map(Acting::at_contact), scalar)
+            {
+                let own = contact.cycle.by_frequency().iter();
+                by.iter_mut().zip(own).for_each(|(b, rate)| *b -= self.series * rate);
             }
         }
     }

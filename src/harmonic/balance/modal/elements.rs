@@ -74,20 +74,22 @@ pub(super) enum Acting {
     Damper { rows: Range<usize>, damping: f64 },
 }
 
-/// The elements of `assembly` at `ports`, but those given from outside. Maps that others have left are used again.
+/// The elements of `assembly` at `ports`, but those given from outside, that at the contact behind a spring of the
+/// compliance `series` (m/N). Maps that others have left are used again.
 pub(super) fn acting(
     assembly: &Assembly,
     names: &Ports,
     ports: &[CondensedPort],
-    method: Method,
-    mut left: Maps,
+    series: f64,
+    (method, mut left): (Method, Maps),
 ) -> Vec<Acting> {
     let system = &assembly.system;
     let rows = |place: usize| Some(ports.get(names.place(&system.ports[place].name)?)?.rows.clone());
     let one = |(place, element): (usize, &Element)| match element {
         Element::Law { port, law, normal_load } => {
             let rows = rows(*port)?;
-            let attached = Attached::new(assembly, place, (law, *normal_load), left.law(&rows, method));
+            let mut attached = Attached::new(assembly, place, (law, *normal_load), left.law(&rows, method));
+            attached.compliance = if rows.start == 0 { series } else { 0.0 };
             Some(Acting::Law { rows, attached: Box::new(attached) })
         }
         Element::Springs { ports: [a, b], stiffness } => {
@@ -117,6 +119,11 @@ impl Acting {
             Self::Law { rows, attached } => Some((rows, attached)),
             _ => None,
         }
+    }
+
+    /// The law of the contact, at whose port the unknowns begin.
+    pub fn at_contact(&self) -> Option<&Attached> {
+        self.law().filter(|(rows, _)| rows.start == 0).map(|(_, attached)| attached)
     }
 
     /// What hangs at the port of the contact.

@@ -35,7 +35,8 @@ pub(crate) fn resonance(balance: &mut Balance, acceleration: f64) -> Result<(f64
     }
     let displacement = acceleration / (angular_frequency * angular_frequency);
     balance.displace();
-    balance.unknown = balance.start(angular_frequency);
+    let start = balance.start(angular_frequency);
+    balance.take(&start);
     let loss = balance.viscous_energy(angular_frequency) + balance.dissipated_energy();
     Ok((angular_frequency, loss / (std::f64::consts::PI * displacement)))
 }

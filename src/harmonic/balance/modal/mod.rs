@@ -9,8 +9,9 @@
 //! Under given forces the modal equations are linear, `A(T) q = level · f − P[T b]`, and are solved
 //! ([`ModalEquations`]): forces at ports that shorten go into A by `Σ γ_p T_p`, all of them to the right side by
 //! `Σ b_p T_p`. The flexibility `a` in series with an element yields by `a T`, and the unknown is the
-//! displacement v that is left for the element itself, so that a step of a law needs no iteration. What
-//! remains are equations whose number does not depend on that of the modes,
+//! displacement v that is left for the element itself, so that a step of a law needs no iteration. (A limit that follows the
+//! velocity follows that in front of the flexibility: where there is one the contact's unknown is `v + a T` of its law,
+//! which is carried over the period behind a spring of the compliance a.) What remains are equations whose number does not depend on that of the modes,
 //!
 //! `r(v) = v + a T(v) − (b·q − γ ½ qᵀG q) = 0`, `∂r/∂v = 1 + (a + W A⁻¹ B) ∂T/∂v`,
 //!
@@ -136,6 +137,9 @@ pub(crate) struct Balance {
     /// Coefficients of the forces (N) at all ports, and the unknowns they belong to.
     forces: Vec<f64>,
     unknown: Vec<f64>,
+    /// Compliance (m/N) of the spring between the contact's unknown and its law, and the unknowns that the law has.
+    series: f64,
+    behind: Vec<f64>,
     /// Coefficients of the force (N) of the contact, without what hangs there.
     contact_force: Vec<f64>,
     /// `Σ γ_p T_p`: what pulls along the shortening.
@@ -195,7 +199,8 @@ impl Balance {
         let unknowns = condensed.last().map_or(wide, |port| port.rows.end);
         let Workspace { maps, equations, matrices, .. } = Workspace::renewed(left, extent, &system);
         let all_ports = named(&completed, &system);
-        let acting = acting(assembly, ports, &condensed, method, maps);
+        let series = if ports.in_front() { condensed[0].flexibility } else { 0.0 };
+        let acting = acting(assembly, ports, &condensed, series, (method, maps));
         let mut mean_squares = vec![mean_square(1); unknowns];
         condensed.iter().for_each(|port| mean_squares[port.rows.start] = mean_square(0));
         let mut kept = waveform.to_vec();
@@ -220,6 +225,8 @@ impl Balance {
             acting,
             forces: vec![0.0; unknowns],
             unknown: vec![0.0; unknowns],
+            series,
+            behind: vec![0.0; unknowns],
             contact_force: vec![0.0; wide],
             tension: vec![0.0; wide],
             moved: vec![0.0; unknowns],
@@ -294,7 +301,7 @@ impl Balance {
 
     /// The law of the contact; `None` without one. It is the first there.
     fn contact(&self) -> Option<&Attached> {
-        self.acting.iter().filter_map(Acting::law).find(|(rows, _)| rows.start == 0).map(|(_, law)| law)
+        self.acting.iter().find_map(Acting::at_contact)
     }
 
     fn contact_mut(&mut self) -> Option<&mut Attached> {
@@ -334,7 +341,7 @@ impl Balance {
 
     /// Energy dissipated in the contact per cycle (J) at the last evaluation.
     pub fn dissipated_energy(&self) -> f64 {
-        work_per_cycle(self.force(), &self.unknown[..self.wide])
+        work_per_cycle(self.force(), &self.behind[..self.wide])
     }
 
     /// The contact alone, driven by `u` given by its coefficients (harmonics `0..=2H`), behind a spring of
@@ -346,11 +353,11 @@ impl Balance {
         series: f64,
     ) -> Result<&[f64], HarmonicError> {
         let mut force = std::mem::take(&mut self.contact_force);
-        let mut done = Ok(());
+        let (own, mut done) = (self.series, Ok(()));
         if let Some(attached) = self.contact_mut() {
             attached.compliance = series;
             done = attached.evaluate_force(angular_frequency, u, false);
-            attached.compliance = 0.0;
+            attached.compliance = own;
             force.copy_from_slice(attached.force());
         }
         self.contact_force = force;
@@ -369,21 +376,31 @@ impl Balance {
     }
 
     fn balance_with(&mut self, x: &[f64], at: &Operating, alone: bool) -> Result<f64, HarmonicError> {
-        self.unknown.copy_from_slice(x);
         self.forces.fill(0.0);
         for acting in self.acting.iter_mut().filter(|acting| acting.hung().is_none()) {
             acting.act(at, x, alone, &mut self.forces)?;
         }
         self.contact_force.copy_from_slice(&self.forces[..self.wide]);
-        self.acting.iter().filter_map(Acting::hung).for_each(|hung| hung.act(at, x, &mut self.forces));
+        self.take(x);
+        let hung = self.acting.iter().filter_map(Acting::hung);
+        hung.for_each(|hung| hung.act(at, &self.behind, &mut self.forces));
         self.respond(at)?;
         for port in &self.ports {
             for row in port.rows.clone() {
-                self.residual[row] = x[row] + port.flexibility * self.forces[row] - self.moved[row];
+                self.residual[row] = self.behind[row] + port.flexibility * self.forces[row] - self.moved[row];
             }
         }
         let terms = x[..self.wide].iter().chain(self.displacement());
         Ok(terms.fold(0.0_f64, |scale, term| scale.max(term.abs())))
+    }
+
+    /// Takes the unknowns over, the contact's force being the last.
+    fn take(&mut self, x: &[f64]) {
+        self.unknown.copy_from_slice(x);
+        self.behind.copy_from_slice(x);
+        if self.series != 0.0 {
+            self.behind.iter_mut().zip(&self.contact_force).for_each(|(v, force)| *v -= self.series * force);
+        }
     }
 
     /// Coefficients of the displacement (m) where the modes have the values `shape`.
@@ -408,7 +425,7 @@ impl Balance {
             of_structure.map(|(rows, law)| work_per_cycle(law.force(), &self.moved[rows.clone()])).sum();
         let at = Operating::forced(angular_frequency, 0.0);
         let lost = |acting: &Acting| match acting {
-            Acting::Resonator(hung) => hung.lost(&at, &self.unknown[hung.rows.clone()]),
+            Acting::Resonator(hung) => hung.lost(&at, &self.behind[hung.rows.clone()]),
             _ => 0.0,
         };
         let hung: f64 = self.acting.iter().map(lost).sum();

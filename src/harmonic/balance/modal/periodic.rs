@@ -150,6 +150,9 @@ impl PeriodicSystem for Balance {
                 return false;
             }
             x[rows.clone()].copy_from_slice(&contact.displacement);
+            if rows.start == 0 && self.series != 0.0 {
+                x.iter_mut().zip(&contact.force).for_each(|(x, force)| *x += self.series * force);
+            }
             known += rows.len();
         }
         known == x.len()
@@ -193,12 +196,13 @@ impl PeriodicSystem for Balance {
 
     fn describe(&mut self, x: &[f64], operating: &Operating) -> Result<Point, HarmonicError> {
         let rows = &self.system.observed;
+        let behind = if self.series == 0.0 { x } else { &self.behind };
         let nodes: Vec<Vec<f64>> = rows.iter().map(|row| self.displacement_along(row)).collect();
         let at = |rows: &Range<usize>, summary: CycleSummary, force: &[f64]| Contacting {
             dissipated_energy: summary.dissipated_energy,
             equivalent_stiffness: summary.equivalent_stiffness,
             stick_fraction: summary.stick_fraction,
-            displacement: x[rows.clone()].to_vec(),
+            displacement: behind[rows.clone()].to_vec(),
             force: force.to_vec(),
         };
         let mut contacts = Vec::new();

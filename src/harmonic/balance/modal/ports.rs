@@ -17,6 +17,12 @@ pub(super) fn completed(system: &System) -> System {
     system
 }
 
+/// Whether an element pulls at the port of `first` as a resonator does, or at other ports.
+fn hangs_or_acts_elsewhere(element: &Element, first: &Element) -> bool {
+    let shared = || element.ports().iter().any(|port| first.ports().contains(port));
+    matches!(element, Element::Resonator { .. }) || !shared()
+}
+
 /// All ports but those of the sensors, by their names.
 pub(super) fn named(completed: &System, modal: &ModalSystem) -> Vec<(String, ModalPort)> {
     let places = 0..completed.ports.len();
@@ -30,11 +36,14 @@ pub(super) fn named(completed: &System, modal: &ModalSystem) -> Vec<(String, Mod
 pub(crate) struct Ports {
     contact: Port,
     others: Vec<Port>,
+    /// Whether the contact's unknown is its displacement in front of its flexibility, not what that leaves of it.
+    in_front: bool,
 }
 
 impl PartialEq for Ports {
     fn eq(&self, other: &Self) -> bool {
-        self.contact.name == other.contact.name && self.names().eq(other.names())
+        let same = self.contact.name == other.contact.name && self.in_front == other.in_front;
+        same && self.names().eq(other.names())
     }
 }
 
@@ -46,7 +55,13 @@ impl Ports {
         let contact = contact.unwrap_or_else(|| Port::linear("contact", Row::new()));
         let acting = system.elements.iter().filter(|element| !matches!(element, Element::Outside { .. }));
         let ports = acting.flat_map(Element::ports).filter_map(port);
-        ports.fold(Self { contact, others: Vec::new() }, Self::with)
+        // Behind the flexibility a limit that falls with the speed would make the speed run away within no time: what the
+        // flexibility lets go as the limit falls adds to the speed. Such a limit follows that in front.
+        let follows = |element: &Element| matches!(element, Element::Law { law, .. } if law.limit_moves());
+        let in_front = contact.flexibility > 0.0
+            && system.elements.first().is_some_and(follows)
+            && system.elements[1..].iter().all(|other| hangs_or_acts_elsewhere(other, &system.elements[0]));
+        ports.fold(Self { contact, others: Vec::new(), in_front }, Self::with)
     }
 
     /// That of the contact.
@@ -63,9 +78,19 @@ impl Ports {
         self
     }
 
-    /// These and others.
+    /// These and others, the contact's unknown being what it is.
     pub fn or(self, others: &Self) -> Self {
         others.others.iter().cloned().fold(self, Self::with)
+    }
+
+    /// The same with the contact's displacement in front of its flexibility as unknown.
+    pub fn moved_in_front(self) -> Self {
+        Self { in_front: true, ..self }
+    }
+
+    /// Whether the contact's unknown is its displacement in front of its flexibility.
+    pub fn in_front(&self) -> bool {
+        self.in_front
     }
 
     /// The names of the others, ascending.

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::contact::{ContactLaw, Inputs, Jenkins, Response, SlipState, StateTangents, Tangents, Valanis};
+use crate::contact::{
+    ContactLaw, Inputs, Jenkins, Joint, JointChanges, Response, SlipState, StateTangents, Tangents, Valanis,
+};
 use crate::system::{HangingMass, ModalBeam};
 
 fn beam() -> ModalBeam {
@@ -115,13 +117,17 @@ fn jacobian_error(beam: &ModalBeam, law: Arc<dyn ContactLaw>, size: f64) -> f64 
 
 #[test]
 fn jacobian_equals_central_differences() {
-    let cases: [(Arc<dyn ContactLaw>, f64); 6] = [
+    let weakening = JointChanges { weakening: Some((0.4, 0.02)), ..JointChanges::default() };
+    let weakening = |base| Arc::new(Joint::new(base, weakening).unwrap());
+    let cases: [(Arc<dyn ContactLaw>, f64); 8] = [
         (Arc::new(Valanis::new(5e6, 0.9, 0.3, 0.0).unwrap()), 3e-5),
         (Arc::new(Valanis::new(5e6, 0.9, 0.3, 0.0).unwrap()), 5e-4),
         (Arc::new(Valanis::new(5e6, 0.9, 0.7, 4e5).unwrap()), 5e-4),
         (Arc::new(Jenkins::new(5e6, 0.9).unwrap()), 1e-5),
         (Arc::new(Jenkins::new(5e6, 0.9).unwrap()), 5e-4),
         (Arc::new(Damper(3e6, 2e3)), 3e-4),
+        (weakening(Jenkins::new(5e6, 0.9).unwrap()), 1e-5),
+        (weakening(Jenkins::new(5e6, 0.9).unwrap()), 5e-4),
     ];
     let mut hung = beam();
     hung.hung = vec![HangingMass { mass: 5.0, frequency: 40.0 }, HangingMass { mass: 1.0, frequency: 120.0 }];

@@ -23,15 +23,30 @@ impl Balance {
         self.unknowns_under(force, angular_frequency)
     }
 
-    /// The unknowns under a force of the contact: its displacement once the series spring has yielded, and what the
+    /// The unknowns under a force of the contact: its displacement once the flexibility has yielded, and what the
     /// modes give of the others.
     fn unknowns_under(&self, force: &[f64], angular_frequency: f64) -> Vec<f64> {
-        let series = self.ports[0].flexibility;
-        let contact = self.displacement().iter().zip(force).map(|(u, force)| u - series * force);
+        let flexibility = self.ports[0].flexibility;
+        let contact = self.displacement().iter().zip(force).map(|(u, force)| u - flexibility * force);
         let mut unknowns: Vec<f64> = contact.chain(self.moved[self.wide..].iter().copied()).collect();
         let at = Operating::forced(angular_frequency, 0.0);
-        self.scale(&mut unknowns, |hung| 1.0 / (1.0 + series * hung), &at);
+        self.scale(&mut unknowns, |hung| 1.0 / (1.0 + flexibility * hung), &at);
+        if self.series != 0.0 {
+            unknowns.iter_mut().zip(force).for_each(|(x, force)| *x += self.series * force);
+        }
         unknowns
+    }
+
+    /// The contact's displacement (m) behind its flexibility and in front of it, for the unknowns `x` and its law's force
+    /// (N).
+    pub fn either_side(&self, x: &[f64], force: &[f64]) -> [Vec<f64>; 2] {
+        let flexibility = self.ports[0].flexibility;
+        let by = |compliance: f64| -> Vec<f64> {
+            let none = compliance == 0.0;
+            let moved = |(x, force): (&f64, &f64)| if none { *x } else { x + compliance * force };
+            x[..self.wide].iter().zip(force).map(moved).collect()
+        };
+        [by(-self.series), by(flexibility - self.series)]
     }
 
     /// Multiplies the contact's harmonics by a factor that depends on the dynamic stiffness (N/m) of what hangs there.
@@ -77,7 +92,7 @@ impl Balance {
         let mut all = self.modal_coefficients();
         for acting in &self.acting {
             let Acting::Resonator(hung) = acting else { continue };
-            all.extend(hung.coordinate(at, &self.unknown[hung.rows.clone()], self.harmonics));
+            all.extend(hung.coordinate(at, &self.behind[hung.rows.clone()], self.harmonics));
         }
         all
     }
