@@ -85,7 +85,8 @@ pub struct LoadedContact<'a> {
 pub struct Inputs {
     /// Relative tangential displacement (m).
     pub displacement: f64,
-    /// Relative tangential velocity (m/s); only rate-dependent laws use it.
+    /// Relative tangential velocity (m/s); only rate-dependent laws use it. Behind a flexibility in series it is that of the
+    /// displacement, but for a law whose [limit follows the velocity](ContactLaw::limit_follows_velocity).
     pub velocity: f64,
     /// Normal load (N); at zero or below the contact is separated.
     pub normal_load: f64,
@@ -321,9 +322,14 @@ pub trait ContactLaw: std::fmt::Debug + Send + Sync {
     }
 
     /// Whether the limit itself follows the velocity or the way already slipped. Then the force along a stroke is
-    /// not that of one step from the stroke's start, and a period must be walked in small steps. At a port with a
-    /// flexibility in series the velocity is that in front of it.
+    /// not that of one step from the stroke's start, and a period must be walked in small steps.
     fn limit_moves(&self) -> bool {
+        false
+    }
+
+    /// Whether the limit follows the velocity. At a port with a flexibility in series the law has the velocity in front of it
+    /// then: with its own a limit that falls with it would have it run away within no time.
+    fn limit_follows_velocity(&self) -> bool {
         false
     }
 

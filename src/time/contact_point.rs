@@ -8,7 +8,7 @@ const NEWTON: usize = 20;
 /// Evaluations in all: bisection gets from any bracket to neighbouring numbers in the others.
 const EVALUATIONS: usize = 100;
 
-/// Way since the step began, as a fraction of the displacement, of which rounding leaves too little to tell more.
+/// Shortest way since the step began, as a fraction of the displacement, from which rounding leaves a usable share.
 const LEAST_WAY: f64 = 1e-12;
 
 /// What the law sees of the beam at one instant.
@@ -18,16 +18,17 @@ pub(crate) struct ContactPoint {
     pub displacement: f64,
     /// Velocity without that part (m/s).
     pub velocity: f64,
-    /// How far the contact yields per force (m/N), not negative, and the part of it that lies in series with the contact
-    /// and takes a part of the velocity.
+    /// How far the contact yields per force (m/N), not negative.
     pub flexibility: f64,
+    /// The part of it that lies in series with the contact and takes a part of the velocity.
     pub series: f64,
     /// Displacements (m) in front of what lies in series and behind it where the step began.
     pub began: [f64; 2],
     /// By how much it moves slower per force above `placed` (m/(s N)), not negative.
     pub slowing: f64,
-    /// The law's tangent by displacement (N/m) to begin with.
+    /// The law's tangent by displacement (N/m) to begin with, and whether its force falls with the velocity.
     pub tangent: f64,
+    pub falls: bool,
     /// Normal load (N).
     pub normal_load: f64,
     /// Force (N) under which it has that velocity.
@@ -38,21 +39,28 @@ pub(crate) struct ContactPoint {
     pub precision: f64,
 }
 
+/// What a law answered, and the displacement (m) and velocity (m/s) that it was asked with.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Answered {
+    pub response: Response,
+    pub displacement: f64,
+    pub velocity: f64,
+}
+
 /// As good as rounding lets it.
 pub(crate) const EXACT: f64 = 4.0 * f64::EPSILON;
 
 impl ContactPoint {
-    /// Solves for the force; returns the law's response and the displacement it was evaluated at (m),
-    /// and writes the next contact state. `None` if the law returns no finite force.
+    /// Solves for the force and writes the next contact state. `None` if the law returns no finite force.
     ///
     /// `F(T) = T − law(u − flexibility · T)` rises with slope `1 + flexibility · tangent ≥ 1`, so its
     /// root lies between any `T` and `T − F(T)`: every evaluation brackets it, and Newton's step
     /// stays inside. Bisection takes over where the law's rounding or its kinks stop Newton: the law
     /// rounds as its memory does, so that a force near zero is rounded more coarsely than its size says.
-    pub fn solve(&self, law: &dyn ContactLaw, state: &[f64], next: &mut [f64]) -> Option<(Response, f64)> {
+    pub fn solve(&self, law: &dyn ContactLaw, state: &[f64], next: &mut [f64]) -> Option<Answered> {
         let mut force = if self.flexibility == 0.0 { 0.0 } else { self.guess };
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-        let (mut velocity, mut yielding) = self.velocity_under(force, self.tangent);
+        let (mut velocity, mut yielding) = self.velocity_under(force, self.tangent, self.falls);
         // A force that falls with the velocity may answer by more than itself.
         let reach = if self.slowing == 0.0 { 1.0 } else { 2.0 };
         for evaluation in 0..EVALUATIONS {
@@ -68,7 +76,7 @@ impl ContactPoint {
             let residual = force - response.force;
             let rounding = self.precision * (response.force.abs() + tangent * displacement.abs());
             if self.flexibility == 0.0 || residual.abs() <= rounding {
-                return Some((response, displacement));
+                return Some(Answered { response, displacement, velocity });
             }
             if residual > 0.0 {
                 high = high.min(force);
@@ -81,10 +89,10 @@ impl ContactPoint {
             let inside = newton >= low && newton <= high;
             let following = if inside && evaluation < NEWTON { newton } else { 0.5 * (low + high) };
             if following == force || high <= low {
-                return Some((response, displacement));
+                return Some(Answered { response, displacement, velocity });
             }
             force = following;
-            (velocity, yielding) = self.velocity_under(force, tangent);
+            (velocity, yielding) = self.velocity_under(force, tangent, response.tangents.velocity < 0.0);
         }
         None
     }
@@ -93,10 +101,11 @@ impl ContactPoint {
     ///
     /// What lies in series takes the part of the velocity that it took of the way since the step began. By the law's
     /// tangent alone the velocity would jump where a slider lets go, and the force of a damper with it, which would put the
-    /// slider back: in truth that force relaxes while the spring takes it up, within this step or the next.
-    fn velocity_under(&self, force: f64, tangent: f64) -> (f64, f64) {
+    /// slider back: in truth that force relaxes while the spring takes it up, within this step or the next. Where the force
+    /// `falls` with the velocity it would run away instead: there the law sees the velocity in front.
+    fn velocity_under(&self, force: f64, tangent: f64, falls: bool) -> (f64, f64) {
         let velocity = self.velocity - self.slowing * (force - self.placed);
-        if self.series == 0.0 {
+        if self.series == 0.0 || falls {
             return (velocity, self.slowing);
         }
         let own = self.displacement - self.flexibility * force;
@@ -107,9 +116,7 @@ impl ContactPoint {
             return (velocity / (1.0 + self.series * tangent), self.slowing);
         }
         let share = (own - behind) / moved;
-        let yielding = if (0.0..=1.0).contains(&share) { velocity * self.series / moved } else { 0.0 };
-        let share = share.clamp(0.0, 1.0);
-        (velocity * share, self.slowing * share + yielding)
+        (velocity * share, self.slowing * share + velocity * self.series / moved)
     }
 }
 
@@ -131,6 +138,7 @@ mod tests {
             began: [0.0; 2],
             slowing: 0.0,
             tangent: 0.0,
+            falls: false,
             normal_load,
             placed: guess,
             guess,
@@ -164,7 +172,8 @@ mod tests {
         ] {
             let state = [force, displacement, point.normal_load, origin];
             let mut next = [0.0; 4];
-            let (response, at) = point.solve(&law, &state, &mut next).expect("a finite force");
+            let Answered { response, displacement: at, .. } =
+                point.solve(&law, &state, &mut next).expect("a finite force");
             let direct = point.displacement - point.flexibility * response.force;
             assert!((at - direct).abs() <= 1e-14 * displacement.abs());
         }

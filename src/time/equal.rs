@@ -230,7 +230,7 @@ impl StepSolver {
     fn force_rate(&self, node: usize, e: usize, span: &Span) -> f64 {
         let (contact, at) = (&self.plant.contacts[e], &self.nodes[e][node]);
         let load_rate = span.rate_at(self.ramps[contact.input], NODES[node]);
-        at.tangent * at.velocity(self.plant.ports[contact.port].flexibility, load_rate)
+        at.tangent * at.own_velocity(self.plant.ports[contact.port].flexibility, load_rate)
             + at.load_tangent * load_rate
     }
 

@@ -10,8 +10,8 @@
 //! `q̈ᵢ + 2 ζᵢ ωᵢ q̇ᵢ + ωᵢ² qᵢ + Σₚ Fₚ [bₚ − γₚ G q]ᵢ = Σₖ fₖ bₖᵢ` in modal coordinates, with displacements of ports
 //! `uₚ = bₚ·q − γₚ ½ qᵀG q − aₚ Fₚ`, a the flexibility in series. Restoring forces F come from a law, from springs
 //! between ports or from outside. `F = law(u)` is an equation for F as soon as `a > 0`: a law of tangent D in series
-//! has `D/(1 + a D)`. A law has the velocity that a leaves it, but one whose limit follows the velocity
-//! ([`limit_moves`](crate::contact::ContactLaw::limit_moves)) that in front of a. Damping that the modes do not diagonalise
+//! has `D/(1 + a D)`. A law sees the velocity behind a; one whose limit follows the velocity
+//! ([`limit_follows_velocity`](crate::contact::ContactLaw::limit_follows_velocity)) sees that in front of it. Damping that the modes do not diagonalise
 //! is a force, too.
 //!
 //! **Direct feed-through.** A jump of a force from outside at a communication point makes `u` jump by `−a ΔF` at once.

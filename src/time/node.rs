@@ -1,7 +1,7 @@
 //! A law at one node of a step, and how its port answers to it.
 
-use super::contact_point::{ContactPoint, EXACT};
-use crate::contact::{Inputs, Response, SlipState};
+use super::contact_point::{Answered, ContactPoint, EXACT};
+use crate::contact::{Inputs, SlipState};
 
 /// A law or an outside force at one node.
 #[derive(Debug, Clone, Copy)]
@@ -9,8 +9,10 @@ pub(crate) struct NodeContact {
     pub force: f64,
     pub tangent: f64,
     pub load_tangent: f64,
-    /// Whether the force follows the velocity.
-    pub follows_velocity: bool,
+    /// ∂force/∂velocity (N s/m).
+    pub damping: f64,
+    /// The velocity (m/s) that the law was asked with last.
+    pub velocity: f64,
     pub slip_state: SlipState,
     /// Energy taken since the start of the step (J).
     pub energy: f64,
@@ -44,7 +46,8 @@ impl NodeContact {
         force: 0.0,
         tangent: 0.0,
         load_tangent: 0.0,
-        follows_velocity: false,
+        damping: 0.0,
+        velocity: 0.0,
         slip_state: SlipState::Stick,
         energy: 0.0,
         normal_load: 0.0,
@@ -55,7 +58,7 @@ impl NodeContact {
     };
 
     /// u̇ (m/s) for a normal load that changes at `load_rate` (N/s), `flexibility` a (m/N).
-    pub fn velocity(&self, flexibility: f64, load_rate: f64) -> f64 {
+    pub fn own_velocity(&self, flexibility: f64, load_rate: f64) -> f64 {
         if flexibility == 0.0 {
             return self.geometric_velocity;
         }
@@ -79,6 +82,7 @@ impl NodeContact {
             began: self.began,
             slowing: answer.slowing,
             tangent: self.tangent,
+            falls: self.damping < 0.0,
             normal_load,
             placed: self.force,
             guess: self.force,
@@ -93,11 +97,12 @@ impl NodeContact {
         force / (1.0 + self.tangent.max(0.0) * point.flexibility)
     }
 
-    pub fn store(&mut self, response: Response, displacement: f64, load: f64) {
+    pub fn store(&mut self, Answered { response, displacement, velocity }: Answered, load: f64) {
         self.force = response.force;
         self.tangent = response.tangents.displacement;
         self.load_tangent = response.tangents.normal_load;
-        self.follows_velocity = response.tangents.velocity != 0.0;
+        self.damping = response.tangents.velocity;
+        self.velocity = velocity;
         self.energy = response.dissipated_energy;
         self.slip_state = response.slip_state;
         self.normal_load = load;
@@ -106,10 +111,6 @@ impl NodeContact {
 
     /// What a law takes over at the middle of a step.
     pub fn inputs(&self) -> Inputs {
-        Inputs {
-            displacement: self.displacement,
-            velocity: self.geometric_velocity,
-            normal_load: self.normal_load,
-        }
+        Inputs { displacement: self.displacement, velocity: self.velocity, normal_load: self.normal_load }
     }
 }

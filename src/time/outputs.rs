@@ -80,7 +80,7 @@ impl Integrator {
             let flexibility = solver.plant.ports[contact.port].flexibility;
             let velocity = match contact.law {
                 None => at.geometric_velocity - flexibility * rate,
-                Some(_) => at.velocity(flexibility, rate),
+                Some(_) => at.own_velocity(flexibility, rate),
             };
             out.contacts.push(ContactReading {
                 displacement: at.geometric_displacement - flexibility * at.force,
@@ -179,7 +179,7 @@ fn contact_rates(solver: &mut StepSolver, span: &Span, e: usize, turning: &[f64]
     let Some(law) = contact.law.as_deref() else {
         return [node.geometric_velocity - flexibility * rate, geometric_acceleration, rate];
     };
-    let velocity = node.velocity(flexibility, rate);
+    let velocity = node.own_velocity(flexibility, rate);
     // No law knows how its tangents change: a look at them a moment later.
     let highest = solver.plant.angular_frequency.iter().copied().fold(0.0, f64::max);
     let ahead = AHEAD / if highest > 0.0 { highest } else { 1.0 };
@@ -188,7 +188,7 @@ fn contact_rates(solver: &mut StepSolver, span: &Span, e: usize, turning: &[f64]
     let mut later = |time: f64| {
         let inputs = Inputs {
             displacement: node.displacement + time * velocity,
-            velocity,
+            velocity: if contact.series == 0.0 { node.geometric_velocity } else { velocity },
             normal_load: node.normal_load + time * rate,
         };
         let response =
@@ -201,8 +201,8 @@ fn contact_rates(solver: &mut StepSolver, span: &Span, e: usize, turning: &[f64]
     let bend = if same { (then - soon) / ahead } else { 0.0 };
     let slope = 1.0 + flexibility * node.tangent;
     let acceleration = (geometric_acceleration - flexibility * bend) / slope;
-    let force =
-        node.tangent * velocity + response.tangents.velocity * acceleration + node.load_tangent * rate;
+    let followed = if contact.series == 0.0 { geometric_acceleration } else { acceleration };
+    let force = node.tangent * velocity + response.tangents.velocity * followed + node.load_tangent * rate;
     [velocity, acceleration, force]
 }
 

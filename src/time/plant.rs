@@ -359,7 +359,7 @@ fn elements(system: &System) -> Result<(Vec<Contact>, Vec<Springs>, usize), Syst
             port,
             remembers: law.as_deref().is_some_and(remembers),
             series: match law.as_deref() {
-                Some(law) if law.limit_moves() => 0.0,
+                Some(law) if law.limit_follows_velocity() => 0.0,
                 _ => system.ports[port].flexibility,
             },
             law,

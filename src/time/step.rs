@@ -148,13 +148,13 @@ impl StepSolver {
             }
             let place = contact.memory.clone();
             let (before, next) = (&mut self.memory[place.clone()], &mut self.memory_next[place]);
-            let Some((response, displacement)) =
+            let Some(answered) =
                 at.point(input, flexibility, contact.series, Answer::NONE).solve(law, before, next)
             else {
                 return false;
             };
-            at.store(response, displacement, input);
-            self.dissipated_energy[e] += response.dissipated_energy;
+            at.store(answered, input);
+            self.dissipated_energy[e] += answered.response.dissipated_energy;
             before.copy_from_slice(next);
         }
         self.force_modes(0, span.from);
@@ -221,9 +221,9 @@ impl StepSolver {
         let flexibility = self.plant.ports[contact.port].flexibility;
         let point = at.point(load, flexibility, contact.series, Answer::NONE);
         let next = &mut self.memory_next[place.clone()];
-        let Some((response, displacement)) = point.solve(law, before, next) else { return false };
-        at.store(response, displacement, load);
-        energy += response.dissipated_energy;
+        let Some(answered) = point.solve(law, before, next) else { return false };
+        at.store(answered, load);
+        energy += answered.response.dissipated_energy;
         if bends {
             let straight = law.step(start, at.inputs(), &mut self.memory_middle[place]).dissipated_energy;
             energy = bent_energy(energy, straight).max(0.0);

@@ -148,8 +148,7 @@ impl StepSolver {
         }
         let place = contact.memory.clone();
         let (before, next) = (&self.memory[place.clone()], &mut self.memory_next[place]);
-        let (response, displacement) = point.solve(law, before, next)?;
-        nodes[node].store(response, displacement, input);
+        nodes[node].store(point.solve(law, before, next)?, input);
         Some(())
     }
 
@@ -217,10 +216,10 @@ impl StepSolver {
             let rate = |at: usize| span.rate_at(normal_load, NODES[at]);
             let displacement = nodes.each_ref().map(|node| node.displacement);
             // A force that follows the velocity has u reverse before what the modes give does.
-            let velocity = if flexibility > 0.0 && nodes.iter().any(|node| node.follows_velocity) {
+            let velocity = if flexibility > 0.0 && nodes.iter().any(|node| node.damping != 0.0) {
                 events::rates(&displacement, span.step)
             } else {
-                std::array::from_fn(|at| nodes[at].velocity(flexibility, rate(at)))
+                std::array::from_fn(|at| nodes[at].own_velocity(flexibility, rate(at)))
             };
             // Motion this small is invisible at the tolerance; the rest may be rounding.
             let norm = self.row_norm[e] * self.energy_norm;
@@ -248,6 +247,7 @@ impl StepSolver {
                 began: nodes[node].began,
                 slowing: 0.0,
                 tangent: 0.0,
+                falls: nodes[node].damping < 0.0,
                 normal_load: normal_load.at(span.fraction(at)),
                 placed: nodes[node].force,
                 guess: nodes[node].force,
@@ -260,7 +260,7 @@ impl StepSolver {
                 point(node, at - events::LOOK_BACK).solve(law, memory, before)?;
                 from = before;
             }
-            point(node, at).solve(law, from, next).map(|(response, _)| response.slip_state)
+            point(node, at).solve(law, from, next).map(|answered| answered.response.slip_state)
         };
         // The state committed belongs to the step before: a contact that slipped up to a reversal sticks.
         if let Some(state) = probe(0, events::JUST_BEHIND_START) {

@@ -280,16 +280,15 @@ fn settles_to_the_balance(beam: &ModalBeam) {
     let without = response(&linear);
     assert!((periodic[2] / without[2] - 1.0).abs() > 0.05, "the effects matter");
 
-    // The ramps between samples lower the first harmonic by (π/64)²/3.
     let error = apart(&mut loaded(beam), &periodic, amplitude, period);
-    assert!(error < 2e-3, "{error:e}");
+    assert!(error < 2e-4, "{error:e}");
 }
 
 /// How far the one mode is from its `periodic` motion (by coefficients) after 40 periods under a cosine of so much force,
-/// as a fraction of its first harmonic.
+/// as a fraction of its first harmonic, which the lines between the samples of the force lower by (π/256)²/3.
 fn apart(integrator: &mut Integrator, periodic: &[f64], amplitude: f64, period: f64) -> f64 {
     let mut motion = rest(integrator);
-    let parts = 64;
+    let parts = 256;
     let force = |k: usize| amplitude * (2.0 * PI * (k % parts) as f64 / parts as f64).cos();
     let tight = time::Settings { tolerance: 1e-8, ..Default::default() };
     for k in 0..40 * parts {
@@ -325,7 +324,9 @@ fn time_integration_settles_to_the_balance_with_forces_that_follow_the_speed_beh
             let point = forced_response(system, period, &[0.0, amplitude], &settings).unwrap();
             let mut integrator = supported_by(beam, law.clone(), 60.0);
             let error = apart(&mut integrator, &point.nodes[0], amplitude, period);
-            assert!(error < 2e-3, "{changes:?}, {} hung, {amplitude} N: {error:e}", beam.hung.len());
+            // A damper in front of the flexibility in place of behind it would be 3e-4 away and more.
+            let accepted = if changes.damping > 0.0 { 1e-4 } else { 6e-4 };
+            assert!(error < accepted, "{changes:?}, {} hung, {amplitude} N: {error:e}", beam.hung.len());
         }
     }
 }
@@ -351,12 +352,13 @@ fn forces_that_follow_the_speed_behind_a_flexibility_are_integrated_in_few_steps
         let (flexibility, damping, speed) = (log(1e-9, 1e-7), log(3.0, 1e3), log(1e-3, 0.1));
         let (push, gap) = (log(5.0, 200.0), log(1e-6, 2e-5));
         let weakening = random.bool().then(|| (1.4 * random.f64() - 0.5, speed));
-        let damping = if weakening.is_none() || random.bool() { damping } else { 0.0 };
+        let damping = if random.bool() { damping } else { 0.0 };
+        let damping = if random.u8(..) < 64 { -0.1 * damping } else { damping };
         let changes = JointChanges {
             damping,
             weakening,
-            // Where play closes, a damper whose velocity is that in front of the flexibility pushes it open again.
-            half_gap: if random.bool() && (damping == 0.0 || weakening.is_none()) { gap } else { 0.0 },
+            // Where play closes a damper may push it open again (docs/limits.md).
+            half_gap: if random.bool() && damping == 0.0 { gap } else { 0.0 },
             spread: if random.bool() { 0.5 } else { 0.0 },
             ..JointChanges::default()
         };

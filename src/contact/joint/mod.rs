@@ -65,7 +65,8 @@ use std::ops::Bound;
 /// ([`JointChanges::normal_load`]). Springs are unstressed at displacement zero.
 ///
 /// # Limits of validity
-/// A step must not contain a reversal. The play closes without impact. A softening spring (k3 < 0) must not outweigh
+/// A step must not contain a reversal. Behind a flexibility in series v is the velocity in front of it where there is
+/// weakening, for the damper too: where play closes, such a damper may push it open again. The play closes without impact. A softening spring (k3 < 0) must not outweigh
 /// the rest within the play's crossing. With c < 0 or k3 < 0 the law is not passive.
 ///
 /// # Reference
@@ -321,6 +322,10 @@ impl ContactLaw for Joint {
 
     fn limit_moves(&self) -> bool {
         self.changes.weakening.is_some() || self.changes.wear != 0.0
+    }
+
+    fn limit_follows_velocity(&self) -> bool {
+        self.changes.weakening.is_some()
     }
 
     fn jump(&self, state: &[f64], inputs: Inputs) -> Option<Jump> {

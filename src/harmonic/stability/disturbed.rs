@@ -38,8 +38,9 @@ struct Law<'a> {
     contact: LoadedContact<'a>,
     /// Coefficients of the displacement that a flexibility leaves it.
     displacement: &'a [f64],
-    /// Whether it answers to its velocity behind a flexibility, or to that in front of it.
+    /// Whether it answers to its velocity behind a flexibility.
     yields: bool,
+    /// Whether it answers to that in front of it.
     in_front: bool,
     /// First place of its memory.
     memory: usize,
@@ -129,7 +130,7 @@ impl<'a> Disturbed<'a> {
                     let displacement = left.next().ok_or(missing)?;
                     let contact = LoadedContact { law: law.as_ref(), normal_load: *normal_load };
                     let port = Cow::Borrowed(&modal.ports[*port]);
-                    let in_front = port.flexibility > 0.0 && contact.law.limit_moves();
+                    let in_front = port.flexibility > 0.0 && contact.law.limit_follows_velocity();
                     let mut law =
                         Law { port, contact, displacement, yields: false, in_front, memory, jumps: false };
                     if law.port.flexibility > 0.0 && !in_front {

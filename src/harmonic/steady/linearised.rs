@@ -49,7 +49,7 @@ impl Linearised {
     ///
     /// # Errors
     /// As [`Linearised::new`].
-    fn in_front(
+    fn moved_in_front(
         &mut self,
         problem: &SteadyProblem,
         assembly: &Assembly,
@@ -81,7 +81,8 @@ impl Linearised {
         neighbours: &[Assembly],
     ) -> Result<Vec<Vec<f64>>, HarmonicError> {
         let in_front = |neighbour: &Assembly| Ports::of(&neighbour.system).in_front();
-        let front = if neighbours.iter().any(in_front) { self.in_front(problem, assembly)? } else { None };
+        let front =
+            if neighbours.iter().any(in_front) { self.moved_in_front(problem, assembly)? } else { None };
         let here = self.first_order(problem, assembly)?;
         let mut front = match front {
             Some(mut front) => Some((front.first_order(problem, assembly)?, front)),

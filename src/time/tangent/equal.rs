@@ -131,7 +131,7 @@ fn rate(
 ) -> f64 {
     let (contact, at) = (&solver.plant.contacts[e], &solver.nodes[e][node]);
     let flexibility = solver.plant.ports[contact.port].flexibility;
-    tangent * at.velocity(flexibility, perturbed.span.rate(solver.ramps[contact.input]))
+    tangent * at.own_velocity(flexibility, perturbed.span.rate(solver.ramps[contact.input]))
         + at.tangent * velocity / (1.0 + flexibility * at.tangent)
         + at.load_tangent * perturbed.span.rate(perturbed.by[contact.input])
 }

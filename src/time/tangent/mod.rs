@@ -324,7 +324,7 @@ impl Tangent {
                 velocity - a * rate_change
             } else {
                 let node = &solver.nodes[e][0];
-                let yielded = at.tangent * node.velocity(a, rate) + node.load_tangent * rate_change;
+                let yielded = at.tangent * node.own_velocity(a, rate) + node.load_tangent * rate_change;
                 (velocity - a * yielded) / (1.0 + a * node.tangent)
             };
         }

@@ -257,7 +257,8 @@ fn disturbances_of_the_beam_die_out_in_time_as_the_multipliers_say() {
 }
 
 #[test]
-fn so_do_those_where_a_limit_follows_the_velocity_in_front_of_a_flexibility() {
+fn disturbances_die_out_as_the_multipliers_say_where_a_limit_follows_the_velocity_in_front_of_a_flexibility()
+{
     let beam = ModalBeam { axial_flexibility: 1e-7, ..published(3) };
     let changes = JointChanges { weakening: Some((0.2, 5e-3)), ..JointChanges::default() };
     let law = Joint::new(contact::published(), changes).unwrap();

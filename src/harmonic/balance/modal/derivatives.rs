@@ -214,9 +214,8 @@ impl Balance {
                 let rates = by[port.rows.clone()].iter_mut().zip(&self.rates[port.rows.clone()]);
                 rates.for_each(|(b, rate)| *b += port.flexibility * rate);
             }
-            if let (Some(contact), Scalar::AngularFrequency) =
-                (self.acting.iter().find_map(Acting::at_contact), scalar)
-            {
+            let in_front = self.series != 0.0 && scalar == Scalar::AngularFrequency;
+            if let Some(contact) = self.acting.iter().find_map(Acting::at_contact).filter(|_| in_front) {
                 let own = contact.cycle.by_frequency().iter();
                 by.iter_mut().zip(own).for_each(|(b, rate)| *b -= self.series * rate);
             }

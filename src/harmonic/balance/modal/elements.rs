@@ -81,7 +81,8 @@ pub(super) fn acting(
     names: &Ports,
     ports: &[CondensedPort],
     series: f64,
-    (method, mut left): (Method, Maps),
+    method: Method,
+    mut left: Maps,
 ) -> Vec<Acting> {
     let system = &assembly.system;
     let rows = |place: usize| Some(ports.get(names.place(&system.ports[place].name)?)?.rows.clone());

@@ -9,14 +9,17 @@
 //! Under given forces the modal equations are linear, `A(T) q = level · f − P[T b]`, and are solved
 //! ([`ModalEquations`]): forces at ports that shorten go into A by `Σ γ_p T_p`, all of them to the right side by
 //! `Σ b_p T_p`. The flexibility `a` in series with an element yields by `a T`, and the unknown is the
-//! displacement v that is left for the element itself, so that a step of a law needs no iteration. (A limit that follows the
-//! velocity follows that in front of the flexibility: where there is one the contact's unknown is `v + a T` of its law,
-//! which is carried over the period behind a spring of the compliance a.) What remains are equations whose number does not depend on that of the modes,
+//! displacement v that is left for the element itself, so that a step of a law needs no iteration. What
+//! remains are equations whose number does not depend on that of the modes,
 //!
 //! `r(v) = v + a T(v) − (b·q − γ ½ qᵀG q) = 0`, `∂r/∂v = 1 + (a + W A⁻¹ B) ∂T/∂v`,
 //!
 //! W being multiplication by `w_i` and B its adjoint, the projection of `T w_i`, of all ports stacked. A resonator is a dynamic
 //! stiffness at its port, harmonic by harmonic, and adds no unknowns.
+//!
+//! A limit that follows the velocity follows that in front of the flexibility. The contact's unknown is then `x = v + a T` of its
+//! law alone, which is carried over the period behind a spring of the compliance a, with the derivative `T'` by x; F being all
+//! that pulls there, `∂r/∂x = 1 − a T' + (a + W A⁻¹ B) F'`.
 
 mod beyond;
 mod blocks;
@@ -48,7 +51,7 @@ use crate::numeric::multiplication::Multiplication;
 use crate::system::{Port, System};
 use elements::{Acting, Maps, acting};
 use equations::ModalEquations;
-use ports::{CondensedPort, completed, named};
+use ports::{CondensedPort, can_be_in_front, completed, named};
 use resonator::Resonator;
 
 pub(crate) use ports::Ports;
@@ -189,6 +192,10 @@ impl Balance {
     ) -> Result<Self, HarmonicError> {
         let Extent { harmonics, contact: highest, ref ports } = *extent;
         assembly.check()?;
+        if !can_be_in_front(&assembly.system, ports) {
+            let alone = "a limit that follows the velocity behind a flexibility needs a port of its own";
+            return Err(HarmonicError::InvalidInput(alone));
+        }
         debug_assert!((harmonics..=2 * harmonics).contains(&highest));
         let completed = completed(&assembly.system);
         let system = ModalSystem::new(&completed)?;
@@ -200,7 +207,7 @@ impl Balance {
         let Workspace { maps, equations, matrices, .. } = Workspace::renewed(left, extent, &system);
         let all_ports = named(&completed, &system);
         let series = if ports.in_front() { condensed[0].flexibility } else { 0.0 };
-        let acting = acting(assembly, ports, &condensed, series, (method, maps));
+        let acting = acting(assembly, ports, &condensed, series, method, maps);
         let mut mean_squares = vec![mean_square(1); unknowns];
         condensed.iter().for_each(|port| mean_squares[port.rows.start] = mean_square(0));
         let mut kept = waveform.to_vec();

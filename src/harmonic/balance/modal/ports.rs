@@ -17,10 +17,23 @@ pub(super) fn completed(system: &System) -> System {
     system
 }
 
-/// Whether an element pulls at the port of `first` as a resonator does, or at other ports.
-fn hangs_or_acts_elsewhere(element: &Element, first: &Element) -> bool {
-    let shared = || element.ports().iter().any(|port| first.ports().contains(port));
-    matches!(element, Element::Resonator { .. }) || !shared()
+/// Whether every limit that follows the velocity behind a flexibility is that of the contact, at whose port nothing but
+/// resonators acts beside it: others cannot be balanced.
+pub(super) fn can_be_in_front(system: &System, ports: &Ports) -> bool {
+    let flexible = |element: &Element| {
+        element.ports().iter().any(|port| system.ports.get(*port).is_some_and(|port| port.flexibility > 0.0))
+    };
+    let follows = |element: &Element| {
+        flexible(element) && matches!(element, Element::Law { law, .. } if law.limit_follows_velocity())
+    };
+    let Some((first, others)) = system.elements.split_first() else { return true };
+    let beside = |other: &Element| {
+        let passive = matches!(other, Element::Resonator { .. } | Element::Outside { .. });
+        !passive && other.ports().iter().any(|port| first.ports().contains(port))
+    };
+    let behind = others.iter().any(follows) || follows(first) && !ports.in_front();
+    let shared = ports.in_front() && others.iter().any(beside);
+    !behind && !shared
 }
 
 /// All ports but those of the sensors, by their names.
@@ -57,10 +70,9 @@ impl Ports {
         let ports = acting.flat_map(Element::ports).filter_map(port);
         // Behind the flexibility a limit that falls with the speed would make the speed run away within no time: what the
         // flexibility lets go as the limit falls adds to the speed. Such a limit follows that in front.
-        let follows = |element: &Element| matches!(element, Element::Law { law, .. } if law.limit_moves());
-        let in_front = contact.flexibility > 0.0
-            && system.elements.first().is_some_and(follows)
-            && system.elements[1..].iter().all(|other| hangs_or_acts_elsewhere(other, &system.elements[0]));
+        let follows =
+            |element: &Element| matches!(element, Element::Law { law, .. } if law.limit_follows_velocity());
+        let in_front = contact.flexibility > 0.0 && system.elements.first().is_some_and(follows);
         ports.fold(Self { contact, others: Vec::new(), in_front }, Self::with)
     }
 
