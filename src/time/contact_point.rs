@@ -26,8 +26,9 @@ pub(crate) struct ContactPoint {
     pub began: [f64; 2],
     /// By how much it moves slower per force above `placed` (m/(s N)), not negative.
     pub slowing: f64,
-    /// The law's tangent by displacement (N/m) to begin with, and whether its force falls with the velocity.
+    /// The law's tangent by displacement (N/m) to begin with.
     pub tangent: f64,
+    /// Whether its force falls with the velocity, to begin with.
     pub falls: bool,
     /// Normal load (N).
     pub normal_load: f64,

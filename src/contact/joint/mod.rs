@@ -66,8 +66,9 @@ use std::ops::Bound;
 ///
 /// # Limits of validity
 /// A step must not contain a reversal. Behind a flexibility in series v is the velocity in front of it where there is
-/// weakening, for the damper too: where play closes, such a damper may push it open again. The play closes without impact. A softening spring (k3 < 0) must not outweigh
-/// the rest within the play's crossing. With c < 0 or k3 < 0 the law is not passive.
+/// weakening, for the damper too: where play closes, such a damper may push it open again. The play closes without
+/// impact. A softening spring (k3 < 0) must not outweigh the rest within the play's crossing. With c < 0 or k3 < 0 the law
+/// is not passive.
 ///
 /// # Reference
 /// Play and stop operators in series and parallel: Visintin (1994), *Differential Models of Hysteresis*,

@@ -6,7 +6,7 @@ use super::*;
 use crate::contact::{
     ContactLaw, Inputs, Jenkins, Joint, JointChanges, Response, SlipState, StateTangents, Tangents, Valanis,
 };
-use crate::system::{HangingMass, ModalBeam};
+use crate::system::{Element, HangingMass, ModalBeam};
 
 fn beam() -> ModalBeam {
     ModalBeam {
@@ -136,6 +136,29 @@ fn jacobian_equals_central_differences() {
             let error = jacobian_error(beam, law.clone(), size);
             assert!(error < 3e-6, "{law:?} at {size}, {:?}: {error}", beam.hung);
         }
+    }
+}
+
+#[test]
+fn a_limit_that_follows_the_velocity_behind_a_flexibility_shares_its_port_with_no_other_law() {
+    let changes = JointChanges { weakening: Some((0.4, 0.02)), ..JointChanges::default() };
+    let weakening: Arc<dyn ContactLaw> =
+        Arc::new(Joint::new(Jenkins::new(5e6, 0.9).unwrap(), changes).unwrap());
+    let other: Arc<dyn ContactLaw> = Arc::new(Jenkins::new(5e6, 0.9).unwrap());
+    for (first, second, possible) in [
+        (&weakening, None, true),
+        (&weakening, Some(&other), false),
+        (&other, Some(&weakening), false),
+        (&other, Some(&other), true),
+    ] {
+        let mut system = beam().system(Some((first.clone(), 100.0))).unwrap();
+        let port = system.elements[0].ports()[0];
+        let beside = second.map(|law| Element::Law { port, law: law.clone(), normal_load: 100.0 });
+        system.elements.extend(beside);
+        let made = Balance::new(&Assembly::new(system), 3, Method::Exact);
+        let refused = made.err().map(|error| error.to_string());
+        assert_eq!(refused.is_none(), possible, "{refused:?}");
+        assert!(refused.is_none_or(|why| why.contains("a port of its own")));
     }
 }
 
