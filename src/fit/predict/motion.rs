@@ -47,14 +47,12 @@ fn sign_changes(order: usize) -> f64 {
 /// more than the part `least` of them change their sign: those of noise do nearly every time, those of a smooth curve twice a
 /// period.
 fn of_differences(values: &[f64], order: usize, spacing: usize, least: f64) -> Option<f64> {
-    let mut weights = vec![1.0];
+    let mut differences = values.to_vec();
     for _ in 0..order {
-        let before = |k: usize| if k == 0 { 0.0 } else { weights[k - 1] };
-        weights = (0..=weights.len()).map(|k| weights.get(k).unwrap_or(&0.0) - before(k)).collect();
+        let left = differences.len().saturating_sub(spacing);
+        (0..left).for_each(|k| differences[k] = differences[k + spacing] - differences[k]);
+        differences.truncate(left);
     }
-    let difference =
-        |w: &[f64]| w.iter().step_by(spacing).zip(&weights).map(|(x, weight)| x * weight).sum::<f64>();
-    let mut differences: Vec<f64> = values.windows(order * spacing + 1).map(difference).collect();
     let neighbours = differences.iter().zip(differences.iter().skip(spacing));
     let changes = neighbours.filter(|(one, next)| *one * *next < 0.0).count();
     if changes as f64 <= least * differences.len() as f64 {
@@ -63,9 +61,9 @@ fn of_differences(values: &[f64], order: usize, spacing: usize, least: f64) -> O
     differences.iter_mut().for_each(|difference| *difference = difference.abs());
     let middle = differences.len() / 2;
     let (_, median, _) = differences.select_nth_unstable_by(middle, f64::total_cmp);
-    // The median of a normal variable's magnitude is 0.6745 σ.
-    let size = weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt();
-    Some(*median / 0.674_489_75 / size)
+    // The median of a normal variable's magnitude is 0.6745 σ; squares of binomial coefficients add to the middle one.
+    let squares: f64 = (1..=order).map(|k| (order + k) as f64 / k as f64).product();
+    Some(*median / 0.674_489_75 / squares.sqrt())
 }
 
 /// How a motion goes on outside of its samples.
@@ -182,51 +180,65 @@ fn half_width(values: &[f64]) -> usize {
     best.0
 }
 
-/// Sums of the even powers of −half..=half.
-fn moments(half: usize) -> (f64, f64, f64, f64) {
-    let sum = |power: i32| 2.0 * (1..=half).map(|k| (k as f64).powi(power)).sum::<f64>();
-    (1.0 + sum(0), sum(2), sum(4), sum(6))
+/// Sums of the powers 0, 2, 4, 6 of −half..=half.
+type Moments = (f64, f64, f64, f64);
+
+fn moments(half: usize) -> Moments {
+    let n = half as f64;
+    let squares = n * (n + 1.0) * (2.0 * n + 1.0) / 3.0;
+    let fourth = squares * (3.0 * n * n + 3.0 * n - 1.0) / 5.0;
+    let sixth = squares * (3.0 * n.powi(4) + 6.0 * n.powi(3) - 3.0 * n + 1.0) / 7.0;
+    (2.0 * n + 1.0, squares, fourth, sixth)
 }
 
 fn values_smoothed(values: &[f64], half: usize) -> Vec<f64> {
-    (0..values.len())
-        .map(|index| {
-            // Narrower towards the ends, where there is nothing on one side.
-            let half = half.min(index).min(values.len() - 1 - index);
-            if half < 2 {
-                return values[index];
-            }
-            let (s0, s2, s4, _) = moments(half);
-            let (mut sum, mut squares) = (values[index], 0.0);
-            for k in 1..=half {
-                let pair = values[index + k] + values[index - k];
-                sum += pair;
-                squares += (k * k) as f64 * pair;
-            }
-            (s4 * sum - s2 * squares) / (s0 * s4 - s2 * s2)
-        })
-        .collect()
+    let weight = |(s0, s2, s4, _): Moments, k: f64| (s4 - s2 * k * k) / (s0 * s4 - s2 * s2);
+    local_cubics(values, half, 1.0, weight, |index| values[index])
 }
 
 fn rates(values: &[f64], half: usize, step: f64) -> Vec<f64> {
     let last = values.len().saturating_sub(1);
-    (0..values.len())
-        .map(|index| {
-            let half = half.min(index).min(last - index);
-            if half < 2 {
-                let (before, after) = (index.saturating_sub(1), (index + 1).min(last));
-                return (values[after] - values[before]) / (step * (after - before).max(1) as f64);
-            }
-            let (_, s2, s4, s6) = moments(half);
-            let (mut first, mut third) = (0.0, 0.0);
-            for k in 1..=half {
-                let pair = values[index + k] - values[index - k];
-                first += k as f64 * pair;
-                third += (k as f64).powi(3) * pair;
-            }
-            (s6 * first - s4 * third) / (s2 * s6 - s4 * s4) / step
-        })
-        .collect()
+    let weight = |(_, s2, s4, s6): Moments, k: f64| k * (s6 - s4 * k * k) / (s2 * s6 - s4 * s4) / step;
+    local_cubics(values, half, -1.0, weight, |index| {
+        let (before, after) = (index.saturating_sub(1), (index + 1).min(last));
+        (values[after] - values[before]) / (step * (after - before).max(1) as f64)
+    })
+}
+
+/// What a local cubic says at every sample: the sum of its neighbours so many samples away, those before it times `sign`, under
+/// their `weight`. Narrower towards the ends, where there is nothing on one side, and what `few` says where no cubic fits.
+fn local_cubics(
+    values: &[f64],
+    half: usize,
+    sign: f64,
+    weight: impl Fn(Moments, f64) -> f64,
+    few: impl Fn(usize) -> f64,
+) -> Vec<f64> {
+    let count = values.len();
+    let at_end = |index: usize| {
+        let half = half.min(index).min(count - 1 - index);
+        if half < 2 {
+            return few(index);
+        }
+        let moments = moments(half);
+        let pair = |k: usize| weight(moments, k as f64) * (values[index + k] + sign * values[index - k]);
+        weight(moments, 0.0) * values[index] + (1..=half).map(pair).sum::<f64>()
+    };
+    if half < 2 || count <= 2 * half {
+        return (0..count).map(at_end).collect();
+    }
+    let moments = moments(half);
+    let middle = weight(moments, 0.0);
+    let mut found: Vec<f64> = values.iter().map(|value| middle * value).collect();
+    for k in 1..=half {
+        let weight = weight(moments, k as f64);
+        let neighbours = values[half + k..].iter().zip(&values[half - k..]);
+        for (found, (after, before)) in found[half..count - half].iter_mut().zip(neighbours) {
+            *found += weight * (after + sign * before);
+        }
+    }
+    (0..half).chain(count - half..count).for_each(|index| found[index] = at_end(index));
+    found
 }
 
 #[cfg(test)]
@@ -244,6 +256,14 @@ mod tests {
             (x ^ (x >> 31)) as f64 / u64::MAX as f64
         };
         (1..=12).map(hash).sum::<f64>() - 6.0
+    }
+
+    #[test]
+    fn moments_are_the_sums_of_even_powers() {
+        for half in 0..=HALF_WIDTHS[HALF_WIDTHS.len() - 1] {
+            let sum = |power: i32| (1..=half).map(|k| 2.0 * (k as f64).powi(power)).sum::<f64>();
+            assert_eq!(moments(half), (1.0 + sum(0), sum(2), sum(4), sum(6)), "{half}");
+        }
     }
 
     #[test]

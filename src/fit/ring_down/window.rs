@@ -44,9 +44,10 @@ type Square = SMatrix<f64, UNKNOWNS, UNKNOWNS>;
 /// A stretch of samples with its weights.
 pub(super) struct Window<'a> {
     values: &'a [f64],
-    /// Its middle, counted from the first of all samples and from the first of its own, and half of its length.
+    /// τ of each, and its weight.
+    places: Vec<(f64, f64)>,
+    /// Its middle, counted from the first of all samples, and half of its length.
     middle: f64,
-    own_middle: f64,
     half: f64,
 }
 
@@ -55,27 +56,29 @@ impl<'a> Window<'a> {
     pub fn new(all: &'a [f64], first: usize, length: usize) -> Self {
         let values = &all[first..(first + length).min(all.len())];
         let half = 0.5 * values.len() as f64;
-        Self { values, middle: first as f64 + half - 0.5, own_middle: half - 0.5, half }
+        Self::weighted(values, first, first as f64 + half - 0.5, half)
     }
 
     /// The samples up to `half` away from `middle`, as far as there are.
     pub fn around(all: &'a [f64], middle: f64, half: f64) -> Self {
         let first = ((middle - half).ceil().max(0.0) as usize).min(all.len());
         let end = ((middle + half).floor().max(0.0) as usize + 1).clamp(first, all.len());
-        Self { values: &all[first..end], middle, own_middle: middle - first as f64, half }
+        Self::weighted(&all[first..end], first, middle, half)
     }
 
-    /// τ and the weight of a sample.
-    fn place(&self, index: usize) -> (f64, f64) {
-        let tau = (index as f64 - self.own_middle) / self.half;
-        (tau, 0.5 * (1.0 + (PI * tau).cos()))
+    fn weighted(values: &'a [f64], first: usize, middle: f64, half: f64) -> Self {
+        let own_middle = middle - first as f64;
+        let place = |index: usize| {
+            let tau = (index as f64 - own_middle) / half;
+            (tau, 0.5 * (1.0 + (PI * tau).cos()))
+        };
+        Self { values, places: (0..values.len()).map(place).collect(), middle, half }
     }
 
     /// Sum of squares, its gradient and curvature at `x`.
     fn sums(&self, x: &Row) -> (f64, Row, Square) {
         let (mut cost, mut gradient, mut curvature) = (0.0, Row::zeros(), Square::zeros());
-        for (index, value) in self.values.iter().enumerate() {
-            let (tau, weight) = self.place(index);
+        for (value, &(tau, weight)) in self.values.iter().zip(&self.places) {
             let (predicted, row) = model(x, tau);
             let residual = predicted - value;
             cost += weight * residual * residual;
@@ -116,18 +119,19 @@ impl<'a> Window<'a> {
             (x[0], x[2], x[3]) = (-rate * half, factor * speed * half, 0.5 * slope * half * half);
             self.linear(x)
         };
-        let (mut cost, mut x) = around.iter().filter_map(start).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (_, mut x) = around.iter().filter_map(start).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (mut cost, mut gradient, mut curvature) = self.sums(&x);
         let mut damping = 1e-3;
         for _ in 0..STEPS {
-            let (_, gradient, curvature) = self.sums(&x);
             let mut damped = curvature;
             (0..UNKNOWNS).for_each(|k| damped[(k, k)] *= 1.0 + damping);
             let step = damped.lu().solve(&-gradient)?;
             let trial = x + step;
-            let reached = self.sums(&trial).0;
-            if reached.is_finite() && reached <= cost {
-                let done = cost - reached <= TOLERANCE * cost;
-                (x, cost, damping) = (trial, reached, (0.1 * damping).max(1e-12));
+            let reached = self.sums(&trial);
+            if reached.0.is_finite() && reached.0 <= cost {
+                let done = cost - reached.0 <= TOLERANCE * cost;
+                (x, damping) = (trial, (0.1 * damping).max(1e-12));
+                (cost, gradient, curvature) = reached;
                 if done {
                     break;
                 }
@@ -145,8 +149,7 @@ impl<'a> Window<'a> {
     fn told(&self, x: &Row, (noise, freedom): (f64, usize)) -> Option<Fitted> {
         let half = self.half;
         let (mut curvature, mut squares) = (Square::zeros(), Square::zeros());
-        for index in 0..self.values.len() {
-            let (tau, weight) = self.place(index);
+        for &(tau, weight) in &self.places {
             let (_, row) = model(x, tau);
             curvature.ger(weight, &row, &row, 1.0);
             squares.ger(weight * weight, &row, &row, 1.0);
@@ -177,19 +180,15 @@ impl<'a> Window<'a> {
     /// Standard deviation of white noise that has as much as the residual beside the vibration's frequency, and its degrees
     /// of freedom.
     fn noise(&self, x: &Row) -> (f64, usize) {
-        let residual: Vec<f64> = self
-            .values
-            .iter()
-            .enumerate()
-            .map(|(index, value)| model(x, self.place(index).0).0 - value)
-            .collect();
+        let left = |(value, &(tau, _)): (&f64, &(f64, f64))| model(x, tau).0 - value;
+        let residual: Vec<f64> = self.values.iter().zip(&self.places).map(left).collect();
         let width = TAU / self.values.len() as f64;
         let speed = x[2] / self.half;
-        let squares: f64 = (0..residual.len()).map(|index| self.place(index).1.powi(2)).sum();
+        let squares: f64 = self.places.iter().map(|(_, weight)| weight.powi(2)).sum();
         let power = |line: f64| {
             let (mut cosine, mut sine) = (0.0, 0.0);
             for (index, residual) in residual.iter().enumerate() {
-                let (weight, phase) = (self.place(index).1, line * index as f64);
+                let (weight, phase) = (self.places[index].1, line * index as f64);
                 cosine += weight * residual * phase.cos();
                 sine += weight * residual * phase.sin();
             }
