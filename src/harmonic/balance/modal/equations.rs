@@ -8,7 +8,8 @@
 //! Solved by iteration: the low harmonics, where the response is resonant and the force strong, are inverted
 //! together, the rest mode by mode, each with what the mean of the force makes of it alone. The remainder converges within a
 //! few rounds; where it does not, a few more harmonics join the low ones. Under a force that nearly buckles the beam or
-//! more, minimal residuals find the way, and where they do not, more harmonics join, in the end all of them.
+//! more, minimal residuals find the way, and where they do not, more harmonics join, in the end all of them; many
+//! solutions are made of all harmonics together there, where that is less work.
 
 use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVector, Dyn};
 
@@ -33,6 +34,11 @@ const FINISHED: f64 = 1e-12;
 const TELLING: f64 = 1e-8;
 /// Fraction left by a round of many solutions above which rounds are too many.
 const SLOW: f64 = 0.5;
+/// Right sides up to which each is solved by itself: nalgebra's product of views with strides writes beyond its rows where they are
+/// as few.
+const FEW: usize = 5;
+/// Minimal residuals take about so many steps to a derivative.
+const STEPS: usize = 8;
 /// Error of the derivatives that Newton's method does not notice.
 const DERIVATIVE_ERROR: f64 = 1e-3;
 
@@ -52,6 +58,8 @@ pub(crate) struct ModalEquations {
     by_force: Multiplication,
     joint: usize,
     blocks: Blocks,
+    /// All harmonics together, where many solutions are wanted that rounds do not lead to.
+    whole: Blocks,
     /// Fraction of the error that a round left at most in the last solution; infinite where rounds did not lead there.
     contraction: f64,
     /// Error accepted of [`Self::solve_many`], as a fraction.
@@ -85,6 +93,7 @@ impl ModalEquations {
             by_force: Multiplication::default(),
             joint: FIRST_JOINT.min(harmonics),
             blocks: Blocks::default(),
+            whole: Blocks::default(),
             contraction: 0.0,
             derivative_error: DERIVATIVE_ERROR,
             coupled: DMatrix::zeros(modes, count),
@@ -151,21 +160,26 @@ impl ModalEquations {
     /// Factors what is solved together; false where that is singular.
     fn factor(&mut self) -> bool {
         let mut blocks = std::mem::take(&mut self.blocks);
+        let factored = self.factor_in(&mut blocks, self.joint);
+        self.blocks = blocks;
+        factored
+    }
+
+    /// The same with all harmonics up to `joint` together.
+    fn factor_in(&self, blocks: &mut Blocks, joint: usize) -> bool {
         // The mean of the force acts on each mode by itself as a spring does.
         let mean = self.product[(0, 0)];
         let dynamic = |mode: usize, order: usize| {
             let (dynamic, damping) = self.dynamic(mode, order);
             (dynamic - mean * self.shortening[(mode, mode)], damping)
         };
-        let low = |matrix: &mut [f64]| self.fill_low(matrix);
-        let factored = blocks.factor(self.modes, self.joint, self.harmonics, low, dynamic);
-        self.blocks = blocks;
-        factored
+        let low = |matrix: &mut [f64]| self.fill_low(matrix, joint);
+        blocks.factor(self.modes, joint, self.harmonics, low, dynamic)
     }
 
-    /// Writes A for the low harmonics, column-major.
-    fn fill_low(&self, matrix: &mut [f64]) {
-        let (modes, count) = (self.modes, coefficient_count(self.joint));
+    /// Writes A for the harmonics up to `joint`, column-major.
+    fn fill_low(&self, matrix: &mut [f64], joint: usize) {
+        let (modes, count) = (self.modes, coefficient_count(joint));
         let size = modes * count;
         for (l, columns) in matrix.chunks_exact_mut(modes * size).enumerate() {
             for (column, turned) in columns.chunks_exact_mut(size).zip(self.shortening.column_iter()) {
@@ -178,7 +192,7 @@ impl ModalEquations {
         let mut add = |row: usize, column: usize, value: f64| matrix[column * size + row] += value;
         for i in 0..modes {
             add(i, i, self.stiffness[i]);
-            for order in 1..=self.joint {
+            for order in 1..=joint {
                 let (dynamic, damping) = self.dynamic(i, order);
                 let (c, s) = ((2 * order - 1) * modes + i, 2 * order * modes + i);
                 add(c, c, dynamic);
@@ -290,9 +304,12 @@ impl ModalEquations {
     /// where minimal residuals are faster than rounds.
     pub fn solve_many(&mut self, right: &DMatrix<f64>, out: &mut DMatrix<f64>) {
         let (size, columns) = right.shape();
+        if self.contraction > SLOW && self.is_less_together(columns) && self.solve_together(right, out) {
+            return;
+        }
         let mut progress = std::mem::take(&mut self.progress);
         progress.clear();
-        if self.contraction > SLOW {
+        if self.contraction > SLOW || columns <= FEW {
             progress.resize(columns, (0.0, Progress::Slow));
         } else {
             out.fill(0.0);
@@ -311,6 +328,27 @@ impl ModalEquations {
             }
         }
         self.progress = progress;
+    }
+
+    /// Whether all harmonics are factored and solved together for so many right sides in fewer products than minimal residuals
+    /// take.
+    fn is_less_together(&self, columns: usize) -> bool {
+        let (count, joint) = (coefficient_count(self.harmonics), coefficient_count(self.joint));
+        let size = self.modes * count;
+        let step = (self.modes * joint).pow(2) + self.modes * count * (self.modes + count);
+        size.pow(3) / 3 + columns * size.pow(2) < STEPS * columns * step
+    }
+
+    /// Solves all harmonics together; false where that is singular.
+    fn solve_together(&mut self, right: &DMatrix<f64>, out: &mut DMatrix<f64>) -> bool {
+        let mut whole = std::mem::take(&mut self.whole);
+        let factored = self.factor_in(&mut whole, self.harmonics);
+        if factored {
+            out.fill(0.0);
+            whole.add_solutions(right.as_slice(), out.as_mut_slice(), right.ncols());
+        }
+        self.whole = whole;
+        factored
     }
 
     /// Largest change of a round, as a fraction, in a mixture of the solutions `x` in which each has the same size, that by
