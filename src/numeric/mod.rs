@@ -26,5 +26,10 @@ pub(crate) mod random;
 pub(crate) mod spectrum;
 pub(crate) mod student;
 
+/// A product of views with strides needs more rows, columns and terms than this: up to here nalgebra 0.35 takes their columns for
+/// slices, and reads and writes beyond them (its issue 1616).
+#[cfg(feature = "analysis")]
+pub(crate) const SMALL_PRODUCT: usize = 5;
+
 pub use harmonic_set::HarmonicSet;
 pub use periods::{common_periods, excited_harmonics, whole_periods};

@@ -17,6 +17,7 @@ use super::blocks::Blocks;
 use crate::harmonic::modal_system::ModalSystem;
 use crate::harmonic::newton::problem::largest;
 use crate::harmonic::newton::system::Operating;
+use crate::numeric::SMALL_PRODUCT;
 use crate::numeric::fourier::coefficient_count;
 use crate::numeric::gmres::Krylov;
 use crate::numeric::multiplication::Multiplication;
@@ -34,9 +35,6 @@ const FINISHED: f64 = 1e-12;
 const TELLING: f64 = 1e-8;
 /// Fraction left by a round of many solutions above which rounds are too many.
 const SLOW: f64 = 0.5;
-/// Right sides up to which each is solved by itself: nalgebra's product of views with strides writes beyond its rows where they are
-/// as few.
-const FEW: usize = 5;
 /// Minimal residuals take about so many steps to a derivative.
 const STEPS: usize = 8;
 /// Error of the derivatives that Newton's method does not notice.
@@ -173,12 +171,12 @@ impl ModalEquations {
             let (dynamic, damping) = self.dynamic(mode, order);
             (dynamic - mean * self.shortening[(mode, mode)], damping)
         };
-        let low = |matrix: &mut [f64]| self.fill_low(matrix, joint);
-        blocks.factor(self.modes, joint, self.harmonics, low, dynamic)
+        let fill = |matrix: &mut [f64]| self.fill(matrix, joint);
+        blocks.factor(self.modes, joint, self.harmonics, fill, dynamic)
     }
 
     /// Writes A for the harmonics up to `joint`, column-major.
-    fn fill_low(&self, matrix: &mut [f64], joint: usize) {
+    fn fill(&self, matrix: &mut [f64], joint: usize) {
         let (modes, count) = (self.modes, coefficient_count(joint));
         let size = modes * count;
         for (l, columns) in matrix.chunks_exact_mut(modes * size).enumerate() {
@@ -301,7 +299,7 @@ impl ModalEquations {
     }
 
     /// Writes `A⁻¹ right`, column by column, to `out`, as precisely as derivatives need it. After [`Self::solve`], which tells
-    /// where minimal residuals are faster than rounds.
+    /// where rounds are slow: all harmonics together are faster there, or minimal residuals.
     pub fn solve_many(&mut self, right: &DMatrix<f64>, out: &mut DMatrix<f64>) {
         let (size, columns) = right.shape();
         if self.contraction > SLOW && self.is_less_together(columns) && self.solve_together(right, out) {
@@ -309,14 +307,18 @@ impl ModalEquations {
         }
         let mut progress = std::mem::take(&mut self.progress);
         progress.clear();
-        if self.contraction > SLOW || columns <= FEW {
+        if self.contraction > SLOW {
             progress.resize(columns, (0.0, Progress::Slow));
         } else {
             out.fill(0.0);
             self.blocks.add_solutions(right.as_slice(), out.as_mut_slice(), columns);
             progress.extend(out.as_slice().chunks_exact(size).map(|x| (largest(x), Progress::Converging)));
             if self.error_of_mixture(right, out, &progress) > self.derivative_error {
-                self.iterate_many(right, out, &mut progress);
+                if columns.min(coefficient_count(self.harmonics)) > SMALL_PRODUCT {
+                    self.iterate_many(right, out, &mut progress);
+                } else {
+                    progress.iter_mut().for_each(|(_, progress)| *progress = Progress::Slow);
+                }
             } else {
                 progress.iter_mut().for_each(|(_, progress)| *progress = Progress::Finished);
             }
@@ -446,7 +448,7 @@ impl ModalEquations {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Progress {
     Converging,
-    /// What a round leaves is too much: minimal residuals are faster.
+    /// Left to minimal residuals.
     Slow,
     Finished,
 }

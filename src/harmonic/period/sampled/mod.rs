@@ -27,6 +27,7 @@ use super::PeriodicContact;
 use super::closure::{Closure, Marched, add_scaled};
 use crate::contact::{SlipState, StateTangents};
 use crate::harmonic::HarmonicError;
+use crate::numeric::SMALL_PRODUCT;
 use crate::numeric::fourier::{Basis, coefficient_count, differentiate, dot};
 
 /// Fraction of the largest force left as error of the implicit step through the series spring.
@@ -35,8 +36,6 @@ const STEP_TOLERANCE: f64 = 1e-11;
 /// finished to first order.
 const LINEAR_FINISH: f64 = 1e-6;
 const MAX_CYCLES: usize = 60;
-/// Up to this size the matrix product takes strided columns as slices, which end before the last of them.
-const SMALL_PRODUCT: usize = 5;
 
 /// Workspace and result of one evaluation.
 #[derive(Debug, Clone)]
