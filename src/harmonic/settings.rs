@@ -1,7 +1,7 @@
 //! How a period of the contact is computed, when a balance counts as solved, and how far apart the points of a curve are.
 
 use super::HarmonicError;
-use super::newton::problem::Stopping;
+use super::newton::problem::{HALVINGS, Stopping};
 
 /// Samples of a period where the limit itself moves, or the load that it follows: the force is then right to a few parts in ten
 /// thousand.
@@ -130,7 +130,8 @@ impl CurveSettings {
     /// The stopping rule of a solution that may be anywhere.
     pub(crate) fn stopping(&self) -> Stopping {
         let (tolerance, max_iterations) = (self.tolerance, self.max_iterations);
-        Stopping { tolerance, max_iterations, reach: f64::INFINITY, interrupt: self.interrupt }
+        let reach = f64::INFINITY;
+        Stopping { tolerance, max_iterations, reach, halvings: HALVINGS, interrupt: self.interrupt }
     }
 
     /// Whether the work is to end.

@@ -119,28 +119,66 @@ impl Factors {
         if (swaps + negative).is_multiple_of(2) { 1.0 } else { -1.0 }
     }
 
-    /// Replaces `right` by `A⁻¹ right`.
-    pub fn solve(&self, right: &mut [f64]) {
+    /// Replaces every column of `right` by `A⁻¹` times it; faster than one by one.
+    pub fn solve_many(&self, right: &mut DMatrixViewMut<f64>) {
         let n = self.size;
-        for k in 0..n {
-            right.swap(k, self.pivots[k]);
+        for mut column in right.column_iter_mut() {
+            (0..n).for_each(|k| column.swap_rows(k, self.pivots[k]));
         }
-        for k in 0..n {
+        let factors = DMatrixView::from_slice(&self.values, n, n);
+        for first in (0..n).step_by(PANEL) {
+            let end = (first + PANEL).min(n);
+            let (mut solved, mut below) = right.rows_range_pair_mut(first..end, end..n);
+            for mut column in solved.column_iter_mut() {
+                self.solve_lower(first, column.as_mut_slice());
+            }
+            if end < n {
+                below.gemm(-1.0, &factors.view((end, first), (n - end, end - first)), &solved, 1.0);
+            }
+        }
+        for first in (0..n).step_by(PANEL).rev() {
+            let end = (first + PANEL).min(n);
+            let (mut above, mut solved) = right.rows_range_pair_mut(0..first, first..end);
+            for mut column in solved.column_iter_mut() {
+                self.solve_upper(first, column.as_mut_slice());
+            }
+            if first > 0 {
+                above.gemm(-1.0, &factors.view((0, first), (first, end - first)), &solved, 1.0);
+            }
+        }
+    }
+
+    /// Solves with the rows and columns of L from `first` on, as many as `right` has.
+    fn solve_lower(&self, first: usize, right: &mut [f64]) {
+        for k in 0..right.len() {
             let (head, tail) = right.split_at_mut(k + 1);
-            let weight = head[k];
+            let (weight, diagonal) = (head[k], (first + k) * (self.size + 1));
             // Columns of an identity start with zeros.
             if weight == 0.0 {
                 continue;
             }
-            let column = &self.values[k * n + k + 1..(k + 1) * n];
+            let column = &self.values[diagonal + 1..][..tail.len()];
             tail.iter_mut().zip(column).for_each(|(t, f)| *t -= weight * f);
         }
-        for k in (0..n).rev() {
-            let column = &self.values[k * n..k * n + k + 1];
+    }
+
+    /// The same of U.
+    fn solve_upper(&self, first: usize, right: &mut [f64]) {
+        for k in (0..right.len()).rev() {
+            let column = &self.values[(first + k) * self.size + first..][..=k];
             let value = right[k] / column[k];
             right[k] = value;
             right[..k].iter_mut().zip(column).for_each(|(t, f)| *t -= value * f);
         }
+    }
+
+    /// Replaces `right` by `A⁻¹ right`.
+    pub fn solve(&self, right: &mut [f64]) {
+        for k in 0..self.size {
+            right.swap(k, self.pivots[k]);
+        }
+        self.solve_lower(0, right);
+        self.solve_upper(0, right);
     }
 }
 
@@ -177,6 +215,15 @@ mod tests {
             for (i, right) in right.iter().enumerate() {
                 let product: f64 = (0..size).map(|j| matrix[size * j + i] * x[j]).sum();
                 assert!((product - right).abs() < 1e-9, "{size}, {i}: {product}");
+            }
+            for columns in [1, 3, 7] {
+                let mut many: Vec<f64> =
+                    (1..=columns).flat_map(|c| right.iter().map(move |x| c as f64 * x)).collect();
+                factors.solve_many(&mut DMatrixViewMut::from_slice(&mut many, size, columns));
+                for (c, one) in (1..=columns).zip(many.chunks_exact(size)) {
+                    let near = |(a, b): (&f64, &f64)| (a - c as f64 * b).abs() < 1e-9 * (1.0 + b.abs());
+                    assert!(one.iter().zip(&x).all(near), "{size}, {c} of {columns}");
+                }
             }
         }
     }

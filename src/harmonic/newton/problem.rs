@@ -48,6 +48,9 @@ const LARGEST_ROUNDING: f64 = 1e-6;
 /// … after a step that changes the unknowns by this fraction at most.
 const SMALL_STEP: f64 = 1e-6;
 
+/// Halvings of a step towards a solution that may be anywhere.
+pub(crate) const HALVINGS: usize = 12;
+
 /// When a solution is good enough, and when it is given up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Stopping {
@@ -57,6 +60,8 @@ pub(crate) struct Stopping {
     pub max_iterations: usize,
     /// Longest step wanted, as multiple of the unknowns, from which the solution is still near.
     pub reach: f64,
+    /// Halvings of a step without a smaller residual after which it is given up.
+    pub halvings: usize,
     /// Asked before every evaluation.
     pub interrupt: Option<Interrupt>,
 }
@@ -216,10 +221,9 @@ impl Newton {
         norm: f64,
         stopping: &Stopping,
     ) -> Option<f64> {
-        const HALVINGS: usize = 12;
         let n = x.len();
         let mut fraction = longest_fraction(at, free, &self.step[n..]);
-        for _ in 0..=HALVINGS {
+        for _ in 0..=stopping.halvings {
             stopping.look().ok()?;
             let mut moved = *at;
             let mut trial = std::mem::take(&mut self.trial);
@@ -322,5 +326,38 @@ pub(crate) fn length(v: &[f64]) -> f64 {
 
 /// Largest magnitude; NaN where there is one.
 pub(crate) fn largest(v: &[f64]) -> f64 {
-    v.iter().fold(0.0, |m: f64, x| if x.abs() > m || x.is_nan() { x.abs() } else { m })
+    // Four side by side, which the processor does at once.
+    let (mut most, mut no_number) = ([0.0_f64; 4], [0_u64; 4]);
+    let mut look = |x: &[f64]| {
+        for ((most, no_number), x) in most.iter_mut().zip(&mut no_number).zip(x) {
+            let size = x.abs();
+            *most = if size > *most { size } else { *most };
+            *no_number |= u64::from(x.is_nan());
+        }
+    };
+    let (fours, rest) = v.as_chunks::<4>();
+    fours.iter().for_each(|four| look(four));
+    look(rest);
+    if no_number.iter().any(|found| *found != 0) { f64::NAN } else { most.into_iter().fold(0.0, f64::max) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::largest;
+
+    #[test]
+    fn the_largest_magnitude_is_found_wherever_it_lies_and_so_is_what_is_no_number() {
+        for count in 1..11 {
+            for place in 0..count {
+                let mut v = vec![1.0; count];
+                v[place] = -2.0;
+                assert_eq!(largest(&v), 2.0, "{place} of {count}");
+                v[place] = f64::NEG_INFINITY;
+                assert_eq!(largest(&v), f64::INFINITY, "{place} of {count}");
+                v[place] = f64::NAN;
+                assert!(largest(&v).is_nan(), "{place} of {count}");
+            }
+        }
+        assert_eq!(largest(&[]), 0.0);
+    }
 }

@@ -29,8 +29,10 @@ const GOOD_STEP: f64 = 0.9;
 /// Step, as multiple of the motion itself, that leads nowhere near: those that led to a response were 8 times as long at
 /// most, the others up to 5000 times, and under the forces there a single evaluation takes as long as ten solutions.
 const REACH: f64 = 20.0;
-/// Damped steps from a start that is not near enough for the factors, and from nothing.
+/// Damped steps from a start that is not near enough for the factors, and from nothing. Near a response steps were hardly ever
+/// shortened so often; searches that were crept on for up to 3 s.
 const NEAR_ITERATIONS: usize = 40;
+const NEAR_HALVINGS: usize = 8;
 const FAR_ITERATIONS: usize = 25;
 /// Points of a path from a weak excitation or a neighbouring frequency, and the longest step on it as a fraction of the way.
 const MOST_POINTS: usize = 60;
@@ -125,6 +127,7 @@ impl SteadyProblem {
                 tolerance: self.tolerance,
                 max_iterations: NEAR_ITERATIONS,
                 reach: REACH,
+                halvings: NEAR_HALVINGS,
                 interrupt: None,
             };
             balance.forget();
@@ -135,9 +138,10 @@ impl SteadyProblem {
         if let Some(unknowns) = directly(&mut balance, at, &settings)? {
             return Ok(Steady { balance, unknowns, at });
         }
-        let stepped = self.reached(assembly).and_then(|start| self.solve(assembly, neighbours, Some(&start)));
-        if stepped.is_ok() {
-            return stepped;
+        // What moves from rest as no balance does has no steady response that would be measured: paths from other levels and
+        // frequencies take 5 s there, and led to none.
+        if let Ok(start) = self.reached(assembly) {
+            return self.solve(assembly, neighbours, Some(&start));
         }
         let (unknowns, _) = indirectly(&mut balance, at, &settings)?;
         Ok(Steady { balance, unknowns, at })

@@ -1,6 +1,6 @@
 //! The modal equations without what couples the higher harmonics, solved.
 
-use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, Dyn};
+use nalgebra::DMatrixViewMut;
 
 use crate::numeric::fourier::coefficient_count;
 use crate::numeric::lu::Factors;
@@ -9,21 +9,11 @@ use crate::numeric::lu::Factors;
 #[derive(Debug, Default)]
 pub(super) struct Blocks {
     modes: usize,
-    low: Block,
+    low: Factors,
     /// Inverse of what each mode's own motion makes of it in each of the others, as `c − i s`.
     high: Vec<[f64; 2]>,
     /// Solutions of the low ones for all right sides.
     solved: Vec<f64>,
-}
-
-/// All modes of the lowest harmonics.
-#[derive(Debug, Default)]
-struct Block {
-    factors: Factors,
-    /// With this many right sides are solved faster.
-    inverse: DMatrix<f64>,
-    /// Whether it is that of the present factors.
-    inverted: bool,
 }
 
 impl Blocks {
@@ -39,8 +29,7 @@ impl Blocks {
         dynamic: impl Fn(usize, usize) -> (f64, f64),
     ) -> bool {
         self.modes = modes;
-        self.low.inverted = false;
-        fill(self.low.factors.reset(modes * coefficient_count(joint)));
+        fill(self.low.reset(modes * coefficient_count(joint)));
         self.high.clear();
         for order in joint + 1..=harmonics {
             self.high.extend((0..modes).map(|mode| {
@@ -49,24 +38,18 @@ impl Blocks {
                 [scale * dynamic, scale * damping]
             }));
         }
-        self.low.factors.factor() && self.high.as_flattened().iter().all(|x| x.is_finite())
+        self.low.factor() && self.high.as_flattened().iter().all(|x| x.is_finite())
     }
 
     /// Adds to `out` the solutions for `columns` right sides, one after the other in both.
     pub fn add_solutions(&mut self, right: &[f64], out: &mut [f64], columns: usize) {
-        let (size, height) = (right.len() / columns, self.low.factors.size());
+        let (size, height) = (right.len() / columns, self.low.size());
         self.solved.resize(height * columns, 0.0);
-        if columns < height {
-            let pairs = self.solved.chunks_exact_mut(height).zip(right.chunks_exact(size));
-            for (solved, right) in pairs {
-                solved.copy_from_slice(&right[..height]);
-                self.low.factors.solve(solved);
-            }
-        } else {
-            let (rows, cols, along, across) = (Dyn(height), Dyn(columns), Dyn(1), Dyn(size));
-            let right = DMatrixView::from_slice_with_strides_generic(right, rows, cols, along, across);
-            let mut solved = DMatrixViewMut::from_slice(&mut self.solved, height, columns);
-            solved.gemm(1.0, self.low.inverse(), &right, 0.0);
+        let pairs = self.solved.chunks_exact_mut(height).zip(right.chunks_exact(size));
+        pairs.for_each(|(solved, right)| solved.copy_from_slice(&right[..height]));
+        match columns {
+            1 => self.low.solve(&mut self.solved),
+            _ => self.low.solve_many(&mut DMatrixViewMut::from_slice(&mut self.solved, height, columns)),
         }
         let solutions = self.solved.chunks_exact(height).zip(right.chunks_exact(size));
         for ((low, right), out) in solutions.zip(out.chunks_exact_mut(size)) {
@@ -89,21 +72,5 @@ impl Blocks {
                 sines[i] += dynamic * rs[i] + damping * rc[i];
             }
         }
-    }
-}
-
-impl Block {
-    fn inverse(&mut self) -> &DMatrix<f64> {
-        if !self.inverted {
-            let size = self.factors.size();
-            if self.inverse.nrows() != size {
-                self.inverse = DMatrix::zeros(size, size);
-            }
-            self.inverse.fill_with_identity();
-            let columns = self.inverse.as_mut_slice().chunks_exact_mut(size);
-            columns.for_each(|column| self.factors.solve(column));
-            self.inverted = true;
-        }
-        &self.inverse
     }
 }

@@ -10,10 +10,22 @@ const FEW: usize = 4;
 
 /// `out = W x` for a port that moves along `shape` and does not shorten: harmonic by harmonic.
 fn along(shape: &[f64], x: &DMatrix<f64>, modes: usize, out: &mut DMatrixViewMut<f64>) {
-    out.fill(0.0);
     for (mut out, x) in out.column_iter_mut().zip(x.column_iter()) {
-        for (out, x) in out.iter_mut().zip(x.as_slice().chunks_exact(modes)) {
+        out.fill(0.0);
+        for (out, x) in out.as_mut_slice().iter_mut().zip(x.as_slice().chunks_exact(modes)) {
             *out = shape.iter().zip(x).map(|(b, x)| b * x).sum();
+        }
+    }
+}
+
+/// `out = xᵀ`, a few columns of `x` at a time: one by one their entries lie too far from each other.
+fn transpose(x: &DMatrix<f64>, out: &mut DMatrix<f64>) {
+    const TOGETHER: usize = 8;
+    let (rows, size) = x.shape();
+    for (place, columns) in x.as_slice().chunks(TOGETHER * rows).enumerate() {
+        for (row, target) in out.as_mut_slice().chunks_exact_mut(size).enumerate() {
+            let entries = columns.iter().skip(row).step_by(rows);
+            target[place * TOGETHER..].iter_mut().zip(entries).for_each(|(to, from)| *to = *from);
         }
     }
 }
@@ -59,7 +71,7 @@ impl Balance {
         sized(&mut self.matrices.adjoint, size, rows);
         sized(&mut self.matrices.moved, size, rows);
         let Matrices { weights, adjoint, .. } = &mut self.matrices;
-        weights.transpose_to(adjoint);
+        transpose(weights, adjoint);
         for (column, scale) in adjoint.as_mut_slice().chunks_exact_mut(size).zip(&self.mean_squares) {
             // Both are ½ but for means.
             let (mean, others) = column.split_at_mut(modes);

@@ -363,11 +363,13 @@ impl ModalEquations {
         source.fill(0.0);
         // Signs without a pattern, that nothing cancels.
         let mut signs = Random::new(1);
-        for ((x, right), (size, _)) in x.column_iter().zip(right.column_iter()).zip(sizes) {
+        let height = mixed.len();
+        let pairs = x.as_slice().chunks_exact(height).zip(right.as_slice().chunks_exact(height));
+        for ((x, right), (size, _)) in pairs.zip(sizes) {
             let sign = if signs.uniform() < 0.5 { 1.0 } else { -1.0 };
             let weight = sign / size.max(f64::MIN_POSITIVE);
-            mixed.iter_mut().zip(&x).for_each(|(sum, x)| *sum += weight * x);
-            source.iter_mut().zip(&right).for_each(|(sum, right)| *sum += weight * right);
+            mixed.iter_mut().zip(x).for_each(|(sum, x)| *sum += weight * x);
+            source.iter_mut().zip(right).for_each(|(sum, right)| *sum += weight * right);
         }
         self.multiply(&mixed, &mut product);
         source.iter_mut().zip(&product).for_each(|(r, ax)| *r -= ax);
@@ -394,7 +396,8 @@ impl ModalEquations {
             self.residual_of_many(right, out);
             self.many_coupled.fill(0.0);
             self.blocks.add_solutions(self.many.as_slice(), self.many_coupled.as_mut_slice(), columns);
-            *out += &self.many_coupled;
+            let steps = self.many_coupled.as_slice();
+            out.as_mut_slice().iter_mut().zip(steps).for_each(|(out, step)| *out += step);
             let steps =
                 self.many_coupled.as_slice().chunks_exact(size).zip(out.as_slice().chunks_exact(size));
             for ((before, progress), (step, x)) in progress.iter_mut().zip(steps) {
@@ -439,7 +442,7 @@ impl ModalEquations {
             let mut into = DMatrixViewMut::from_slice_with_strides_generic(into, rows, cols, along, across);
             into.gemm(-1.0, &coupled, &self.product, 1.0);
         }
-        many.iter_mut().zip(right.iter()).for_each(|(r, b)| *r = b - *r);
+        many.as_mut_slice().iter_mut().zip(right.as_slice()).for_each(|(r, b)| *r = b - *r);
         self.many = many;
     }
 }
