@@ -153,7 +153,7 @@ impl Factors {
         for k in 0..right.len() {
             let (head, tail) = right.split_at_mut(k + 1);
             let (weight, diagonal) = (head[k], (first + k) * (self.size + 1));
-            // Columns of an identity start with zeros.
+            // Many right sides start with zeros.
             if weight == 0.0 {
                 continue;
             }

@@ -24,6 +24,9 @@ pub(super) const CLOSER: f64 = 0.95;
 /// leaves without.
 const SEVERAL: usize = 2;
 const HOPELESS: f64 = 0.5;
+/// Part of the square of a residual beyond a noise that is known over which it is not that noise, whatever it looks like: all but a
+/// tenth, which is three times the noise.
+const MOST: f64 = 0.9;
 
 /// What is searched.
 pub(in crate::diagnose) struct Search<'s, 'a, 'd> {
@@ -268,11 +271,15 @@ impl Search<'_, '_, '_> {
 
 /// Whether `set` lacks nothing that `doubt` stands for; without a doubt, nothing relevant beyond the noise.
 pub(super) fn is_adequate(data: &Measured, set: &Set, doubt: Option<&Set>) -> bool {
-    let is_noise = || data.unexplained(&set.posterior.predictions) < data.assumptions().relevant;
-    let Some(doubt) = doubt else { return is_noise() };
+    let predictions = &set.posterior.predictions;
+    let beyond = data.unexplained(predictions);
+    let is_noise = beyond < data.assumptions().relevant;
+    let Some(doubt) = doubt else { return is_noise };
     // No force at the contact of a structure stands for what is missing elsewhere.
     let elsewhere = !discrepancy::is_moved(&set.posterior) && doubt.discrepancy == Some(Discrepancy::Force);
-    evidence(doubt) < evidence(set) && (!elsewhere || is_noise())
+    // What moves on slowly may look like noise with a memory; a noise that is known has a size, too.
+    let is_too_much = data.noise_is_known() && beyond.powi(2) > MOST * data.left(predictions).powi(2);
+    evidence(doubt) < evidence(set) && (is_noise || !elsewhere && !is_too_much)
 }
 
 #[cfg(test)]
@@ -393,6 +400,9 @@ mod tests {
         };
         assert!(!is_adequate(&known, &off(0.02), Some(&doubt(1.0))));
         assert!(is_adequate(&known, &off(0.05), Some(&doubt(-1.0))));
+        // Unless most of it is beyond a noise that is known.
+        assert!(!is_adequate(&known, &off(0.08), Some(&doubt(-1.0))));
+        assert!(is_adequate(&unknown, &off(0.08), Some(&doubt(-1.0))));
     }
 
     #[test]

@@ -48,7 +48,7 @@ const LARGEST_ROUNDING: f64 = 1e-6;
 /// … after a step that changes the unknowns by this fraction at most.
 const SMALL_STEP: f64 = 1e-6;
 
-/// Halvings of a step towards a solution that may be anywhere.
+/// Halvings of a step where no more is known of how near the solution is.
 pub(crate) const HALVINGS: usize = 12;
 
 /// When a solution is good enough, and when it is given up.
@@ -328,7 +328,7 @@ pub(crate) fn length(v: &[f64]) -> f64 {
 pub(crate) fn largest(v: &[f64]) -> f64 {
     // Four side by side, which the processor does at once.
     let (mut most, mut no_number) = ([0.0_f64; 4], [0_u64; 4]);
-    let mut look = |x: &[f64]| {
+    let mut compare = |x: &[f64]| {
         for ((most, no_number), x) in most.iter_mut().zip(&mut no_number).zip(x) {
             let size = x.abs();
             *most = if size > *most { size } else { *most };
@@ -336,8 +336,8 @@ pub(crate) fn largest(v: &[f64]) -> f64 {
         }
     };
     let (fours, rest) = v.as_chunks::<4>();
-    fours.iter().for_each(|four| look(four));
-    look(rest);
+    fours.iter().for_each(|four| compare(four));
+    compare(rest);
     if no_number.iter().any(|found| *found != 0) { f64::NAN } else { most.into_iter().fold(0.0, f64::max) }
 }
 

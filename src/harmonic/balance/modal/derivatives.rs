@@ -22,10 +22,11 @@ fn along(shape: &[f64], x: &DMatrix<f64>, modes: usize, out: &mut DMatrixViewMut
 fn transpose(x: &DMatrix<f64>, out: &mut DMatrix<f64>) {
     const TOGETHER: usize = 8;
     let (rows, size) = x.shape();
-    for (place, columns) in x.as_slice().chunks(TOGETHER * rows).enumerate() {
+    debug_assert_eq!(out.shape(), (size, rows));
+    for (group, columns) in x.as_slice().chunks(TOGETHER * rows).enumerate() {
         for (row, target) in out.as_mut_slice().chunks_exact_mut(size).enumerate() {
             let entries = columns.iter().skip(row).step_by(rows);
-            target[place * TOGETHER..].iter_mut().zip(entries).for_each(|(to, from)| *to = *from);
+            target[group * TOGETHER..].iter_mut().zip(entries).for_each(|(to, from)| *to = *from);
         }
     }
 }
@@ -231,6 +232,21 @@ impl Balance {
                 let own = contact.cycle.by_frequency().iter();
                 by.iter_mut().zip(own).for_each(|(b, rate)| *b -= self.series * rate);
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_matrix_of_any_width_is_transposed() {
+        for (rows, columns) in [(1, 1), (3, 7), (5, 8), (2, 9), (4, 17)] {
+            let x = DMatrix::from_fn(rows, columns, |i, k| (10 * k + i) as f64);
+            let mut out = DMatrix::zeros(columns, rows);
+            transpose(&x, &mut out);
+            assert_eq!(out, x.transpose(), "{rows} by {columns}");
         }
     }
 }

@@ -5,7 +5,7 @@
 //! all modes of the bias, of the cosine of the first harmonic, …, so that a vector is a matrix
 //! `modes × coefficients`.
 //!
-//! Solved by iteration: the low harmonics, where the response is resonant and the force strong, are inverted
+//! Solved by iteration: the low harmonics, where the response is resonant and the force strong, are solved
 //! together, the rest mode by mode, each with what the mean of the force makes of it alone. The remainder converges within a
 //! few rounds; where it does not, a few more harmonics join the low ones. Under a force that nearly buckles the beam or
 //! more, minimal residuals find the way, and where they do not, more harmonics join, in the end all of them; many
@@ -23,11 +23,11 @@ use crate::numeric::gmres::Krylov;
 use crate::numeric::multiplication::Multiplication;
 use crate::numeric::random::Random;
 
-/// Highest harmonic of those first inverted together.
+/// Highest harmonic of those first solved together.
 const FIRST_JOINT: usize = 2;
-/// Highest harmonic of those that are inverted together before minimal residuals are tried.
+/// Highest harmonic of those that are solved together before minimal residuals are tried.
 const MOST_JOINT: usize = 8;
-/// Rounds before more harmonics are inverted together.
+/// Rounds before more harmonics are solved together.
 const ROUNDS: usize = 10;
 /// Change (fraction of the largest coefficient) at which the solution is at rounding.
 const FINISHED: f64 = 1e-12;
@@ -282,7 +282,7 @@ impl ModalEquations {
                 self.contraction = self.contraction.max(change / before);
             }
             finished = change <= FINISHED * largest(q);
-            // Exact to rounding once everything is inverted together.
+            // Exact to rounding once everything is solved together.
             if finished || change.is_nan() || self.joint == self.harmonics {
                 finished |= self.joint == self.harmonics && change.is_finite();
                 break;
