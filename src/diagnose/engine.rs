@@ -244,7 +244,9 @@ fn base(
             Some(format!("the model as it is was only looked at, not fitted in full: {reason}")),
         ),
     };
-    let freed = evidence::freed(&Measured::new(bench, records, measured, &through), &whole);
+    let data = Measured::new(bench, records, measured, &through);
+    let lacks_nothing = evidence::doubt(&data, &whole).is_ok_and(|doubt| doubt < 0.0);
+    let freed = if lacks_nothing { None } else { evidence::freed(&data, &whole) };
     let Some(freed) = freed else { return Ok(Base { first, whole, lost, through }) };
     bench.reseed(&freed.model, Vec::new());
     Ok(Base { first, whole: freed, lost: None, through })

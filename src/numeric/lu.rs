@@ -119,7 +119,7 @@ impl Factors {
         if (swaps + negative).is_multiple_of(2) { 1.0 } else { -1.0 }
     }
 
-    /// Replaces every column of `right` by `A⁻¹` times it; faster than one by one.
+    /// Replaces every column of `right` by `A⁻¹` times it; faster than one by one where they are many.
     pub fn solve_many(&self, right: &mut DMatrixViewMut<f64>) {
         let n = self.size;
         for mut column in right.column_iter_mut() {

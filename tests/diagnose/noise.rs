@@ -120,6 +120,24 @@ fn noise_that_is_stated_a_hundred_times_too_large_hides_no_effect() {
 }
 
 #[test]
+fn noise_that_is_stated_a_few_times_too_small_names_no_effect() {
+    for (times, memory) in [(3.0, 0.0), (4.0, 0.0), (3.0, 0.9), (4.0, 0.9)] {
+        let test =
+            |i: u8| Test { amplitude: 1e-5 * (2.0 + f64::from(i)), stated: Some(0.3 / times), ..PLAIN };
+        let mut records: Vec<Record> = (0..8).map(|i| test(i).record(&format!("r{i}"), 0, 0.0)).collect();
+        for (seed, record) in (0..).zip(&mut records) {
+            let (mut noise, mut last) = (noise(seed), 0.0);
+            for force in &mut record.channels[1].values {
+                last = memory * last + f64::sqrt(1.0 - memory * memory) * noise();
+                *force += 0.3 * last;
+            }
+        }
+        let found = diagnosed(records);
+        assert!(found.effects.is_empty(), "{times} {memory}: {:?} {:?}", found.verdict, found.effects);
+    }
+}
+
+#[test]
 fn what_only_the_record_of_the_largest_motion_shows_is_not_passed_over() {
     // An end stop that is reached at the highest level alone.
     let mut records = levels(|i| Test { amplitude: 1e-5 * (2.0 + i as f64), stated: Some(0.3), ..PLAIN });

@@ -1,7 +1,7 @@
 //! The measurements that hypotheses are fitted to, and what is known of their noise.
 
 use super::autoregression::Autoregression;
-use super::joint::minus;
+use super::joint::{dot, minus};
 use super::noise_prior::NoisePrior;
 use crate::diagnose::assumptions::Assumptions;
 use crate::diagnose::diagnosis::Noise;
@@ -193,6 +193,21 @@ impl<'a, 'd> Measured<'a, 'd> {
         self.channels.iter().flatten().for_each(|channel| values[channel.process] += channel.range.len());
         let told = values.iter().all(|count| *count >= Autoregression::FEWEST);
         if told && left < self.assumptions().largest_noise() { self.foretold(predictions) } else { left }
+    }
+
+    /// Part of the square of what `predictions` leave that is beyond a noise as large as what was told of it may mean.
+    pub fn share_beyond_noise(&self, predictions: &[Vec<f64>]) -> f64 {
+        let (mut beyond, mut all) = (0.0, 0.0);
+        for (channels, left) in self.channels.iter().zip(self.residuals(predictions)) {
+            for MeasuredChannel { range, size, prior, .. } in channels {
+                let left = &left[range.clone()];
+                let square = dot(left, left) / left.len() as f64;
+                let noise = prior.deviation * prior.spreads[1].exp();
+                beyond += (square - noise * noise).max(0.0) / (size * size);
+                all += square / (size * size);
+            }
+        }
+        if all > 0.0 { beyond / all } else { 0.0 }
     }
 
     /// Log likelihood of `predictions`, the noise fitted to what they leave.

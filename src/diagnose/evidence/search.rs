@@ -24,8 +24,8 @@ pub(super) const CLOSER: f64 = 0.95;
 /// leaves without.
 const SEVERAL: usize = 2;
 const HOPELESS: f64 = 0.5;
-/// Part of the square of a residual beyond a noise that is known over which it is not that noise, whatever it looks like: all but a
-/// tenth, which is three times the noise.
+/// Part of the square of a residual beyond a noise that is known over which a search goes on, whatever it looks like: all but a
+/// tenth, which is over three times the noise.
 const MOST: f64 = 0.9;
 
 /// What is searched.
@@ -269,16 +269,16 @@ impl Search<'_, '_, '_> {
     }
 }
 
-/// Whether `set` lacks nothing that `doubt` stands for; without a doubt, nothing relevant beyond the noise.
+/// Whether `set` lacks nothing that `doubt` stands for, and its residual is not far beyond a noise that is known; without a doubt,
+/// nothing relevant beyond the noise.
 pub(super) fn is_adequate(data: &Measured, set: &Set, doubt: Option<&Set>) -> bool {
     let predictions = &set.posterior.predictions;
-    let beyond = data.unexplained(predictions);
-    let is_noise = beyond < data.assumptions().relevant;
+    let is_noise = data.unexplained(predictions) < data.assumptions().relevant;
     let Some(doubt) = doubt else { return is_noise };
     // No force at the contact of a structure stands for what is missing elsewhere.
     let elsewhere = !discrepancy::is_moved(&set.posterior) && doubt.discrepancy == Some(Discrepancy::Force);
     // What moves on slowly may look like noise with a memory; a noise that is known has a size, too.
-    let is_too_much = data.noise_is_known() && beyond.powi(2) > MOST * data.left(predictions).powi(2);
+    let is_too_much = data.noise_is_known() && data.share_beyond_noise(predictions) > MOST;
     evidence(doubt) < evidence(set) && (is_noise || !elsewhere && !is_too_much)
 }
 
@@ -403,6 +403,12 @@ mod tests {
         // Unless most of it is beyond a noise that is known.
         assert!(!is_adequate(&known, &off(0.08), Some(&doubt(-1.0))));
         assert!(is_adequate(&unknown, &off(0.08), Some(&doubt(-1.0))));
+        // What is not relevant is enough, however precise the measurements are.
+        let precise = Measured::new(&bench, &[0], &[told(1e-4)], &[]);
+        assert!(is_adequate(&precise, &off(5e-3), Some(&doubt(-1.0))));
+        // As is what one that is hardly known may be.
+        let hardly = Measured::new(&bench, &[0], &[Noise { log_error: 1.0, ..told(0.02) }], &[]);
+        assert!(is_adequate(&hardly, &off(0.08), Some(&doubt(-1.0))));
     }
 
     #[test]

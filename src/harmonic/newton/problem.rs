@@ -343,7 +343,99 @@ pub(crate) fn largest(v: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::largest;
+    use super::*;
+    use crate::harmonic::newton::Point;
+    use crate::system::System;
+    use nalgebra::{DMatrix, dmatrix};
+    use std::f64::consts::PI;
+
+    /// `atan(steepness · x) = 0`, whose tangents lead the farther beyond the solution the steeper it is.
+    struct Arctangent {
+        steepness: f64,
+        residual: [f64; 1],
+        jacobian: DMatrix<f64>,
+    }
+
+    impl PeriodicSystem for Arctangent {
+        fn unknowns(&self) -> usize {
+            1
+        }
+
+        fn evaluate(&mut self, x: &[f64], _: &Operating, _: &[Scalar]) -> Result<f64, HarmonicError> {
+            let x = self.steepness * x[0];
+            self.residual = [x.atan()];
+            self.jacobian = dmatrix![self.steepness / (1.0 + x * x)];
+            Ok(1.0)
+        }
+
+        fn residual(&self) -> &[f64] {
+            &self.residual
+        }
+
+        fn jacobian(&mut self) -> &DMatrix<f64> {
+            &self.jacobian
+        }
+
+        fn by(&self, _: Scalar) -> &[f64] {
+            &[0.0]
+        }
+
+        fn output(&mut self, _: usize, _: usize) -> [f64; 2] {
+            [0.0; 2]
+        }
+
+        fn observe(&mut self, _: usize, _: usize, _: &mut Observation) {}
+
+        fn forget(&mut self) {}
+
+        fn nodes(&self) -> usize {
+            0
+        }
+
+        fn harmonics(&self) -> usize {
+            0
+        }
+
+        fn guess(&mut self, _: &Operating, _: &mut [f64]) -> Result<(), HarmonicError> {
+            Ok(())
+        }
+
+        fn replace_laws(&mut self, _: &System) -> Result<(), HarmonicError> {
+            Ok(())
+        }
+
+        fn describe(&mut self, _: &[f64], _: &Operating) -> Result<Point, HarmonicError> {
+            Err(HarmonicError::InvalidInput("there is no response"))
+        }
+    }
+
+    /// From one, a step must become shorter than 2 over its π/2 times the steepness.
+    #[test]
+    fn a_step_is_halved_as_often_as_allowed_and_then_given_up() {
+        let solved = |steepness: f64, halvings: usize| {
+            let mut system = Arctangent { steepness, residual: [0.0], jacobian: dmatrix![0.0] };
+            let (mut x, mut at) = ([1.0], Operating::forced(1.0, 1.0));
+            let stopping = Stopping {
+                tolerance: 1e-12,
+                max_iterations: 40,
+                reach: f64::INFINITY,
+                halvings,
+                interrupt: None,
+            };
+            solve(&mut system, &mut x, &mut at, &[], &mut [], &stopping)
+        };
+        for steepness in [0.5, 20.0, 2000.0] {
+            let needed = (steepness * PI / 4.0).log2().ceil().max(0.0) as usize;
+            assert!(solved(steepness, needed).is_ok(), "{steepness}");
+            if needed > 0 {
+                let error = solved(steepness, needed - 1).unwrap_err();
+                assert!(
+                    matches!(error, HarmonicError::NotConverged { iterations: 0, .. }),
+                    "{steepness}: {error}"
+                );
+            }
+        }
+    }
 
     #[test]
     fn the_largest_magnitude_is_found_wherever_it_lies_and_so_is_what_is_no_number() {

@@ -28,21 +28,21 @@ struct Period {
 }
 
 impl SteadyProblem {
-    /// Where to look for the response that `assembly` reaches from rest; whatever its laws were left with is that of a first
-    /// loading.
+    /// Where to look for the response that `assembly` reaches from rest, and whether it has settled there; whatever its laws were
+    /// left with is that of a first loading.
     ///
     /// # Errors
     /// [`HarmonicError`] for a system that cannot be stepped through a period, or cannot be balanced.
-    pub(super) fn reached(&self, assembly: &Assembly) -> Result<Start, HarmonicError> {
+    pub(super) fn reached(&self, assembly: &Assembly) -> Result<(Start, bool), HarmonicError> {
         let no_period = HarmonicError::InvalidInput("the system cannot be stepped through a period");
-        let Period { modes, force } = self.settled(assembly).ok_or(no_period)?;
+        let (Period { modes, force }, settled) = self.settled(assembly).ok_or(no_period)?;
         let mut balance = self.balance(assembly, &Ports::of(&assembly.system), None)?;
         let unknowns = balance.unknowns_of(&modes, &force, self.angular_frequency);
-        Ok(Start::of(&balance, &unknowns, &force, None))
+        Ok((Start::of(&balance, &unknowns, &force, None), settled))
     }
 
-    /// The last whole period, once the motion has settled.
-    fn settled(&self, assembly: &Assembly) -> Option<Period> {
+    /// The last whole period, and whether the motion has settled in it: it may not repeat in time, or stop to be stepped.
+    fn settled(&self, assembly: &Assembly) -> Option<(Period, bool)> {
         let instants = INSTANTS * self.contact_harmonics;
         let basis = Basis::new(self.contact_harmonics, instants);
         let step = TAU / self.angular_frequency / instants as f64;
@@ -67,7 +67,9 @@ impl SteadyProblem {
                 }
                 let moved = modes.iter_mut().zip(motion.modal_displacement());
                 moved.for_each(|(samples, now)| samples[instant] = *now);
-                let Ok(count) = integrator.advance(&mut motion, step, inputs, &settings) else { return last };
+                let Ok(count) = integrator.advance(&mut motion, step, inputs, &settings) else {
+                    return last.map(|last| (last, false));
+                };
                 steps += count;
             }
             let now = Period {
@@ -75,12 +77,12 @@ impl SteadyProblem {
                 force: project(&force, self.contact_harmonics),
             };
             let settled = last.as_ref().is_some_and(|last| apart(&now.modes, &last.modes) <= SETTLED);
-            last = Some(now);
             if settled {
-                break;
+                return Some((now, true));
             }
+            last = Some(now);
         }
-        last
+        last.map(|last| (last, false))
     }
 
     /// What acts from each instant of a period to the next.
@@ -179,7 +181,8 @@ mod tests {
 
     /// The response near where stepping leads, and how far that was from it, as a fraction.
     fn followed(problem: &SteadyProblem, assembly: &Assembly) -> (Vec<f64>, f64) {
-        let start = problem.reached(assembly).expect("a period");
+        let (start, settled) = problem.reached(assembly).expect("a period");
+        assert!(settled);
         let mut found = problem.solve(assembly, &[], Some(&start)).expect("a response");
         (found.sensors(problem), apart(found.here().contact(), start.contact()))
     }

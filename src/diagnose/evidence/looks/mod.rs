@@ -224,7 +224,7 @@ impl Search<'_, '_, '_> {
         found
     }
 
-    /// Whether `set` leaves nothing that a discrepancy stands for.
+    /// Whether `set` lacks nothing.
     fn lacks_nothing(&self, set: &Set) -> bool {
         is_adequate(self.data, set, self.doubted(set).as_ref())
     }

@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use crate::diagnose::diagnosis::Agreement;
+use crate::diagnose::evidence::again;
 use crate::diagnose::evidence::measured::Measured;
 use crate::diagnose::evidence::posterior::{LOOK, Posterior, Start, screen};
-use crate::diagnose::evidence::{again, doubt};
 
 /// Multiples of what was found, of the model's own parameters from those given and of what effects brought, that other fits
 /// start at.
@@ -30,8 +30,7 @@ pub(super) fn agreement(data: &Measured, posterior: &Posterior) -> (Posterior, A
 /// A better fit than `of`, which lacks something, from elsewhere, where motions are solved for: a response that jumps as a
 /// record begins to slip ends a fit where it cannot be followed.
 pub(in crate::diagnose) fn freed(data: &Measured, of: &Posterior) -> Option<Posterior> {
-    let solved = data.records.iter().any(|record| data.bench.lanes[*record].seed.is_some());
-    if !solved || doubt(data, of).is_ok_and(|doubt| doubt < 0.0) {
+    if !data.records.iter().any(|record| data.bench.lanes[*record].seed.is_some()) {
         return None;
     }
     let (found, _) = agreement(data, of);
