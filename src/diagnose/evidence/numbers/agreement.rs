@@ -7,13 +7,45 @@ use crate::diagnose::evidence::again;
 use crate::diagnose::evidence::measured::Measured;
 use crate::diagnose::evidence::posterior::{LOOK, Posterior, Start, screen};
 
-/// Multiples of what was found, of the model's own parameters from those given and of what effects brought, that other fits
-/// start at.
-const STARTS: [[f64; 2]; 2] = [[0.0, 0.5], [-1.0, 2.0]];
+/// Where another fit starts: multiples of what was found, of the model's own parameters from those given and of what effects
+/// brought; or of what one of them brought alone.
+#[derive(Clone, Copy)]
+struct Elsewhere {
+    own: f64,
+    brought: f64,
+    /// Which; `None` for all.
+    by: Option<usize>,
+}
+
+const STARTS: [Elsewhere; 2] =
+    [Elsewhere { own: 0.0, brought: 0.5, by: None }, Elsewhere { own: -1.0, brought: 2.0, by: None }];
 
 /// Fits `posterior` from elsewhere; a better fit takes its place.
 pub(super) fn agreement(data: &Measured, posterior: &Posterior) -> (Posterior, Agreement) {
-    let ends = STARTS.par_iter().filter_map(|multiples| end(data, posterior, *multiples));
+    best_from(data, posterior, &STARTS)
+}
+
+/// A better fit than `of`, which lacks something, from elsewhere, where motions are solved for: a response that jumps as a
+/// record begins to slip ends a fit where it cannot be followed. Of several effects each is moved alone, too, beside the others
+/// as they are.
+pub(in crate::diagnose) fn freed(data: &Measured, of: &Posterior) -> Option<Posterior> {
+    if !data.records.iter().any(|record| data.bench.lanes[*record].seed.is_some()) {
+        return None;
+    }
+    let mut effects: Vec<usize> = of.unknowns.iter().filter_map(|unknown| unknown.owner).collect();
+    effects.dedup();
+    let mut starts = STARTS.to_vec();
+    if effects.len() > 1 {
+        let alone = |effect| STARTS.map(|start| Elsewhere { own: 1.0, by: Some(effect), ..start });
+        starts.extend(effects.into_iter().flat_map(alone));
+    }
+    let (found, _) = best_from(data, of, &starts);
+    (found.log_evidence > of.log_evidence).then_some(found)
+}
+
+/// The best fit of `posterior` and those from `starts`, and how many of these agree with it.
+fn best_from(data: &Measured, posterior: &Posterior, starts: &[Elsewhere]) -> (Posterior, Agreement) {
+    let ends = starts.par_iter().filter_map(|start| end(data, posterior, *start));
     let ends: Vec<Posterior> = ends.collect();
     let left = |of: &Posterior| data.left(&of.predictions);
     let promises = |end: &&Posterior| {
@@ -27,26 +59,24 @@ pub(super) fn agreement(data: &Measured, posterior: &Posterior) -> (Posterior, A
     (told, Agreement { starts: ends.len(), agreeing })
 }
 
-/// A better fit than `of`, which lacks something, from elsewhere, where motions are solved for: a response that jumps as a
-/// record begins to slip ends a fit where it cannot be followed.
-pub(in crate::diagnose) fn freed(data: &Measured, of: &Posterior) -> Option<Posterior> {
-    if !data.records.iter().any(|record| data.bench.lanes[*record].seed.is_some()) {
-        return None;
-    }
-    let (found, _) = agreement(data, of);
-    (found.log_evidence > of.log_evidence).then_some(found)
+/// Where a fit from elsewhere than `posterior` ends.
+fn end(data: &Measured, posterior: &Posterior, from: Elsewhere) -> Option<Posterior> {
+    let Posterior { model, unknowns, .. } = posterior;
+    screen(data, &Start { model, unknowns, y: &start(posterior, from) }, LOOK).ok()
 }
 
-/// Where a fit from `multiples` of `posterior` ends.
-fn end(data: &Measured, posterior: &Posterior, [own, brought]: [f64; 2]) -> Option<Posterior> {
-    let Posterior { model, unknowns, y, .. } = posterior;
-    let start = unknowns.iter().zip(y).map(|(unknown, y)| {
+/// Where it starts.
+fn start(posterior: &Posterior, from: Elsewhere) -> Vec<f64> {
+    let start = posterior.unknowns.iter().zip(&posterior.y).map(|(unknown, y)| {
         let (low, high) = unknown.coordinate.bounds();
-        let multiple = if unknown.owner.is_none() { own } else { brought };
+        let multiple = match unknown.owner {
+            None => from.own,
+            Some(effect) if from.by.is_none_or(|by| by == effect) => from.brought,
+            Some(_) => 1.0,
+        };
         unknown.coordinate.times(*y, multiple).clamp(low, high)
     });
-    let start: Vec<f64> = start.collect();
-    screen(data, &Start { model, unknowns, y: &start }, LOOK).ok()
+    start.collect()
 }
 
 /// Whether two predictions differ by nothing that matters.
@@ -74,8 +104,9 @@ mod tests {
         let data = Measured::new(&bench, &[0, 1, 2], &[], &[]);
         let found = first(&data, None, &given).and_then(|(first, _)| again(&data, &first)).unwrap();
         assert!(freed(&data, &found).is_none());
-        let start = Start { model: &given, unknowns: &found.unknowns, y: &vec![0.0; found.unknowns.len()] };
-        let stuck = screen(&data, &start, GLANCE).unwrap();
+        let given_again =
+            Start { model: &given, unknowns: &found.unknowns, y: &vec![0.0; found.unknowns.len()] };
+        let stuck = screen(&data, &given_again, GLANCE).unwrap();
         // Where a glance left it, and taken for an end.
         let stuck = Posterior {
             predictions: stuck.predictions.iter().map(|of| of.iter().map(|x| 0.7 * x).collect()).collect(),
@@ -119,6 +150,13 @@ mod tests {
         let found = first(&data, None, &given).and_then(|(first, _)| again(&data, &first)).unwrap();
         let (same, agreement_of) = agreement(&data, &found);
         assert_eq!((same.y, agreement_of), (found.y.clone(), Agreement { starts: 2, agreeing: 2 }));
+        // As if of two effects: one moved, the other as it is.
+        let mut of_two = found.clone();
+        (of_two.unknowns[0].owner, of_two.unknowns[1].owner) = (Some(3), Some(5));
+        let halved = of_two.unknowns[1].coordinate.times(of_two.y[1], 0.5);
+        let from = Elsewhere { own: 1.0, brought: 0.5, by: Some(5) };
+        assert_eq!(start(&of_two, from), [of_two.y[0], halved]);
+        assert_ne!(halved, of_two.y[1]);
         // Where it started, and taken for an end.
         let unknowns = found.unknowns.clone();
         let mut stuck =
